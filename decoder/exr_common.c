@@ -16,10 +16,12 @@ const char *const btfi_point_words[3] = {"separate", "packed", "lists"};
 void btfi_effects_text(uint32_t effects, char *buffer, size_t size) {
     size_t length = 0;
     buffer[0] = 0;
-    for (int i = 0; btfi_effect_name(i); i++)
-        if (effects & 1u << i)
+    for (int i = 0; btfi_effect_name(i); i++) {
+        if (effects & 1u << i) {
             length += (size_t)snprintf(buffer + length, size - length, "%s%s", length ? "," : "",
                                        btfi_effect_name(i));
+        }
+    }
 }
 
 static _Thread_local char last_message[256];
@@ -53,8 +55,9 @@ exr_pixel_type_t btfi_pixel_type(btfi_storage storage) {
 
 uint16_t btfi_half_from_int(int value) {
     unsigned magnitude = (unsigned)(value < 0 ? -value : value), exponent = 25;
-    if (magnitude == 0)
+    if (magnitude == 0) {
         return 0;
+    }
     while (magnitude < 1024) {
         magnitude <<= 1;
         exponent--;
@@ -64,10 +67,12 @@ uint16_t btfi_half_from_int(int value) {
 
 int32_t btfi_int_from_half(uint16_t bits) {
     int exponent = bits >> 10 & 31, mantissa = (bits & 1023) | 1024;
-    if ((bits & 0x7FFF) == 0)
+    if ((bits & 0x7FFF) == 0) {
         return 0;
-    if (exponent < 15 || exponent > 25 || (mantissa & ((1 << (25 - exponent)) - 1)) != 0)
+    }
+    if (exponent < 15 || exponent > 25 || (mantissa & ((1 << (25 - exponent)) - 1)) != 0) {
         return INT32_MIN;
+    }
     int value = mantissa >> (25 - exponent);
     return bits & 0x8000 ? -value : value;
 }

@@ -32,8 +32,9 @@ static int64_t write_bytes(exr_const_context_t context, void *user, const void *
     size_t end = (size_t)offset + (size_t)size;
     if (end > s->capacity) {
         size_t capacity = s->capacity ? s->capacity : 65536;
-        while (capacity < end)
+        while (capacity < end) {
             capacity *= 2;
+        }
         uint8_t *data = realloc(s->data, capacity);
         if (!data) {
             s->out_of_memory = true;
@@ -42,12 +43,15 @@ static int64_t write_bytes(exr_const_context_t context, void *user, const void *
         s->data = data;
         s->capacity = capacity;
     }
-    if (offset > s->size)
+    if (offset > s->size) {
         memset(s->data + s->size, 0, (size_t)offset - s->size);
-    if (size)
+    }
+    if (size) {
         memcpy(s->data + offset, buffer, (size_t)size);
-    if (end > s->size)
+    }
+    if (end > s->size) {
         s->size = end;
+    }
     return (int64_t)size;
 }
 
@@ -58,35 +62,41 @@ typedef struct header {
 } header;
 
 static void put_int(header *h, const char *name, uint32_t value) {
-    if (!h->result)
+    if (!h->result) {
         h->result = exr_attr_set_int(h->context, 0, name, (int32_t)value);
+    }
 }
 
 static void put_float(header *h, const char *name, float value) {
-    if (!h->result)
+    if (!h->result) {
         h->result = exr_attr_set_float(h->context, 0, name, value);
+    }
 }
 
 static void put_string(header *h, const char *name, const char *value) {
-    if (!h->result)
+    if (!h->result) {
         h->result = exr_attr_set_string(h->context, 0, name, value);
+    }
 }
 
 static void put_floats(header *h, const char *name, const float *values, size_t count) {
-    if (!h->result && count)
+    if (!h->result && count) {
         h->result = exr_attr_set_float_vector(h->context, 0, name, (int32_t)count, values);
+    }
 }
 
 static void put_integers(header *h, const char *name, const uint16_t *values, size_t count) {
-    if (h->result || !count)
+    if (h->result || !count) {
         return;
+    }
     float *floats = malloc(count * sizeof *floats);
     if (!floats) {
         h->result = EXR_ERR_OUT_OF_MEMORY;
         return;
     }
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         floats[i] = values[i];
+    }
     put_floats(h, name, floats, count);
     free(floats);
 }
@@ -104,8 +114,9 @@ static void put_directions(header *h, const btfi_directions *d, const char *list
 }
 
 static void put_errors(header *h, const btf_material *m) {
-    if (h->result || !m->error_count)
+    if (h->result || !m->error_count) {
         return;
+    }
     float *rows = malloc(m->error_count * 4 * sizeof *rows);
     if (!rows) {
         h->result = EXR_ERR_OUT_OF_MEMORY;
@@ -135,17 +146,20 @@ static void put_level_errors(header *h, const btf_material *m) {
 static void put_factors(header *h, const btf_material *m) {
     const btf_material_info *info = &m->info;
     float classes[3 * BTF_FACTOR_CLASSES];
-    for (int i = 0; i < 3 * BTF_FACTOR_CLASSES; i++)
+    for (int i = 0; i < 3 * BTF_FACTOR_CLASSES; i++) {
         classes[i] = (float)info->factor_classes[i / 3][i % 3];
+    }
     put_floats(h, "openbtf.factorClasses", classes, 3 * BTF_FACTOR_CLASSES);
     put_floats(h, "openbtf.factorScales", m->texture[0][BTF_TEXTURE_FACTOR_SCALES],
                4 * (size_t)info->components);
     const float *texels = m->texture[0][BTF_TEXTURE_FACTOR_VIEWS];
     float *views = malloc(9 * (size_t)info->n_views * sizeof *views);
-    if (!views && !h->result)
+    if (!views && !h->result) {
         h->result = EXR_ERR_OUT_OF_MEMORY;
-    for (size_t i = 0; views && i < 9 * (size_t)info->n_views; i++)
+    }
+    for (size_t i = 0; views && i < 9 * (size_t)info->n_views; i++) {
         views[i] = texels[i / 3 * 4 + i % 3];
+    }
     put_floats(h, "openbtf.factorViews", views, 9 * (size_t)info->n_views);
     free(views);
     put_float(h, "openbtf.horizonScale", info->horizon_scale);
@@ -156,15 +170,19 @@ static void put_relief(header *h, const btf_material *m) {
     put_int(h, "openbtf.reliefBase", (uint32_t)info->relief_base);
     put_int(h, "openbtf.reliefStep", (uint32_t)info->relief_step);
     put_int(h, "openbtf.reliefSteps", info->relief_steps);
-    if (info->relief_level > 0)
+    if (info->relief_level > 0) {
         put_int(h, "openbtf.reliefLevel", info->relief_level);
-    if (info->relief_end < info->levels)
+    }
+    if (info->relief_end < info->levels) {
         put_int(h, "openbtf.reliefEnd", info->relief_end);
+    }
     float *acts = malloc(info->n_views * sizeof *acts);
-    if (!acts && !h->result)
+    if (!acts && !h->result) {
         h->result = EXR_ERR_OUT_OF_MEMORY;
-    for (size_t v = 0; acts && v < info->n_views; v++)
+    }
+    for (size_t v = 0; acts && v < info->n_views; v++) {
         acts[v] = m->view_vectors[4 * v + 3];
+    }
     put_floats(h, "openbtf.reliefViews", acts, info->n_views);
     free(acts);
 }
@@ -185,24 +203,29 @@ static exr_result_t write_attributes(exr_context_t context, const btf_material *
     put_string(&h, "openbtf.colour", btfi_colour_words[info->colour]);
     put_int(&h, "openbtf.centres", info->centres);
     put_int(&h, "openbtf.residual", info->components);
-    if (info->store == BTF_STORE_FACTORS)
+    if (info->store == BTF_STORE_FACTORS) {
         put_factors(&h, m);
-    else
+    } else {
         put_floats(&h, "openbtf.residualScales", m->texture[0][BTF_TEXTURE_RESIDUAL_SCALES],
                    info->components);
-    if (info->blend != BTF_BLEND_RADIANCE)
+    }
+    if (info->blend != BTF_BLEND_RADIANCE) {
         put_string(&h, "openbtf.blend", btfi_blend_words[info->blend]);
+    }
     if (info->point_store != BTF_POINTS_SEPARATE) {
         put_string(&h, "openbtf.pointStore", btfi_point_words[info->point_store]);
-        if (info->point_store == BTF_POINTS_LISTS)
+        if (info->point_store == BTF_POINTS_LISTS) {
             put_int(&h, "openbtf.pointEntries", info->point_entries);
+        }
         put_float(&h, "openbtf.gainBase", info->gain_base);
         put_float(&h, "openbtf.gainStep", info->gain_step);
     }
-    if (info->effects & BTF_EFFECT_RELIEF)
+    if (info->effects & BTF_EFFECT_RELIEF) {
         put_relief(&h, m);
-    if (info->effects & BTF_EFFECT_GLOSS)
+    }
+    if (info->effects & BTF_EFFECT_GLOSS) {
         put_int(&h, "openbtf.glossShare", info->gloss_share);
+    }
     put_float(&h, "openbtf.radianceScale", info->radiance_scale);
     put_float(&h, "openbtf.shadowScale", info->shadow_scale);
     put_float(&h, "openbtf.gainScale", info->gain_scale);
@@ -213,15 +236,19 @@ static exr_result_t write_attributes(exr_context_t context, const btf_material *
     }
     put_directions(&h, &m->views, "views", "view");
     put_directions(&h, &m->lights, "lights", "light");
-    if (*m->method)
+    if (*m->method) {
         put_string(&h, "openbtf.method", m->method);
-    if (*m->options)
+    }
+    if (*m->options) {
         put_string(&h, "openbtf.options", m->options);
-    if (*m->source)
+    }
+    if (*m->source) {
         put_string(&h, "openbtf.source", m->source);
+    }
     put_errors(&h, m);
-    if (info->levels > 1)
+    if (info->levels > 1) {
         put_int(&h, "openbtf.levels", info->levels);
+    }
     put_level_errors(&h, m);
     put_floats(&h, "openbtf.effectErrors", m->effect_errors, m->effect_error_count);
     put_floats(&h, "openbtf.betweenErrors", m->between_errors, m->between_error_count);
@@ -232,10 +259,12 @@ static exr_result_t declare_parts(exr_context_t context, const btfi_part *parts,
     const exr_attr_v2f_t centre = {.x = 0, .y = 0};
     exr_attr_box2i_t display = {.min = {.x = 0, .y = 0}, .max = {.x = 0, .y = 0}};
     for (int p = 0; p < count; p++) {
-        if (display.max.x < (int32_t)parts[p].width - 1)
+        if (display.max.x < (int32_t)parts[p].width - 1) {
             display.max.x = (int32_t)parts[p].width - 1;
-        if (display.max.y < (int32_t)parts[p].height - 1)
+        }
+        if (display.max.y < (int32_t)parts[p].height - 1) {
             display.max.y = (int32_t)parts[p].height - 1;
+        }
     }
     for (int p = 0; p < count; p++) {
         int index;
@@ -243,15 +272,18 @@ static exr_result_t declare_parts(exr_context_t context, const btfi_part *parts,
         exr_attr_box2i_t data = {
             .min = {.x = 0, .y = 0},
             .max = {.x = (int32_t)parts[p].width - 1, .y = (int32_t)parts[p].height - 1}};
-        if (!result)
+        if (!result) {
             result = exr_initialize_required_attr(context, index, &display, &data, 1, &centre, 1,
                                                   EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
+        }
         const exr_pixel_type_t type = btfi_pixel_type(parts[p].storage);
-        for (int c = 0; c < parts[p].channel_count && !result; c++)
+        for (int c = 0; c < parts[p].channel_count && !result; c++) {
             result = exr_add_channel(context, index, parts[p].channels[c].name, type,
                                      EXR_PERCEPTUALLY_LINEAR, 1, 1);
-        if (result)
+        }
+        if (result) {
             return result;
+        }
     }
     return EXR_ERR_SUCCESS;
 }
@@ -262,18 +294,19 @@ static void fetch_row(const btfi_part *part, const void *texture, int channel, u
         btfi_run run = btfi_part_run(part, channel, x, y);
         for (uint32_t i = 0; i < run.count; i++) {
             size_t at = run.offset + i * run.stride;
-            if (part->storage == BTFI_STORAGE_FLOAT)
+            if (part->storage == BTFI_STORAGE_FLOAT) {
                 ((float *)out)[x + i] = run.blank ? 0 : ((const float *)texture)[at];
-            else if (part->storage == BTFI_STORAGE_UINT32)
+            } else if (part->storage == BTFI_STORAGE_UINT32) {
                 ((uint32_t *)out)[x + i] = run.blank ? 0 : ((const uint32_t *)texture)[at];
-            else if (run.blank)
+            } else if (run.blank) {
                 ((uint16_t *)out)[x + i] = 0;
-            else if (part->storage == BTFI_STORAGE_HALF)
+            } else if (part->storage == BTFI_STORAGE_HALF) {
                 ((uint16_t *)out)[x + i] = ((const uint16_t *)texture)[at];
-            else if (part->storage == BTFI_STORAGE_UINT8)
+            } else if (part->storage == BTFI_STORAGE_UINT8) {
                 ((uint16_t *)out)[x + i] = btfi_half_from_int(((const uint8_t *)texture)[at]);
-            else
+            } else {
                 ((uint16_t *)out)[x + i] = btfi_half_from_int(((const int8_t *)texture)[at]);
+            }
         }
         x += run.count;
     }
@@ -300,30 +333,36 @@ static exr_result_t write_part(exr_context_t context, int index, const btfi_part
                                const void *texture) {
     int32_t lines;
     exr_result_t result = exr_get_scanlines_per_chunk(context, index, &lines);
-    if (result)
+    if (result) {
         return result;
+    }
     const size_t pixel = btfi_pixel_size(part->storage), row = part->width * pixel,
                  plane = row * (size_t)lines;
     uint8_t *rows = malloc(plane * (size_t)part->channel_count);
-    if (!rows)
+    if (!rows) {
         return EXR_ERR_OUT_OF_MEMORY;
+    }
     exr_encode_pipeline_t encode = EXR_ENCODE_PIPELINE_INITIALIZER;
     compressor default_routine;
     for (uint32_t y = 0; y < part->height && !result; y += (uint32_t)lines) {
         exr_chunk_info_t chunk;
         result = exr_write_scanline_chunk_info(context, index, (int)y, &chunk);
-        if (!result)
+        if (!result) {
             result = y == 0 ? exr_encoding_initialize(context, index, &chunk, &encode)
                             : exr_encoding_update(context, index, &chunk, &encode);
+        }
         for (int c = 0; c < part->channel_count && !result; c++) {
             exr_coding_channel_info_t *to = NULL;
-            for (int i = 0; i < encode.channel_count; i++)
-                if (!strcmp(encode.channels[i].channel_name, part->channels[c].name))
+            for (int i = 0; i < encode.channel_count; i++) {
+                if (!strcmp(encode.channels[i].channel_name, part->channels[c].name)) {
                     to = &encode.channels[i];
+                }
+            }
             assert(to);
             uint8_t *data = rows + plane * (size_t)c;
-            for (int32_t line = 0; line < chunk.height; line++)
+            for (int32_t line = 0; line < chunk.height; line++) {
                 fetch_row(part, texture, c, y + (uint32_t)line, data + row * (size_t)line);
+            }
             to->encode_from_ptr = data;
             to->user_pixel_stride = (int32_t)pixel;
             to->user_line_stride = (int32_t)row;
@@ -335,8 +374,9 @@ static exr_result_t write_part(exr_context_t context, int index, const btfi_part
             encode.compress_fn = compress_or_keep;
             encode.encoding_user_data = &default_routine;
         }
-        if (!result)
+        if (!result) {
             result = exr_encoding_run(context, index, &encode);
+        }
     }
     exr_encoding_destroy(context, &encode);
     free(rows);
@@ -346,17 +386,21 @@ static exr_result_t write_part(exr_context_t context, int index, const btfi_part
 static exr_result_t write_all(exr_context_t context, const btf_material *m) {
     int count;
     btfi_part *parts = btfi_parts(&m->info, m->preview != NULL, &count);
-    if (!parts)
+    if (!parts) {
         return EXR_ERR_OUT_OF_MEMORY;
+    }
     exr_result_t result = declare_parts(context, parts, count);
-    if (!result)
+    if (!result) {
         result = write_attributes(context, m);
-    if (!result)
+    }
+    if (!result) {
         result = exr_write_header(context);
-    for (int p = 0; p < count && !result; p++)
+    }
+    for (int p = 0; p < count && !result; p++) {
         result = write_part(context, p, &parts[p],
                             parts[p].id == BTF_TEXTURE_COUNT ? m->preview
                                                              : m->texture[parts[p].level][parts[p].id]);
+    }
     free(parts);
     return result;
 }
@@ -374,16 +418,18 @@ btf_result btf_material_save_memory(const btf_material *material, const btf_log 
     start.write_fn = write_bytes;
     start.zip_level = ZIP_LEVEL;
     exr_result_t result = exr_start_write(&context, "material.btf.exr", EXR_WRITE_FILE_DIRECTLY, &start);
-    if (!result)
+    if (!result) {
         result = write_all(context, material);
+    }
     if (context) {
         exr_result_t end = exr_finish(&context);
         result = result ? result : end;
     }
     if (result) {
         free(s.data);
-        if (s.out_of_memory || result == EXR_ERR_OUT_OF_MEMORY)
+        if (s.out_of_memory || result == EXR_ERR_OUT_OF_MEMORY) {
             return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory while writing the material");
+        }
         return btfi_fail(log, BTF_ERROR_INTERNAL, "OpenEXR could not write the material: %s",
                          btfi_exr_message(result));
     }

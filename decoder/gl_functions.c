@@ -9,8 +9,9 @@
 
 btf_result btfi_gl_load(const btf_gl_options *options, const btf_log *log, btfi_gl_functions *out_gl) {
     memset(out_gl, 0, sizeof *out_gl);
-    if (!options || options->struct_size < offsetof(btf_gl_options, shader) || !options->get_proc_address)
+    if (!options || options->struct_size < offsetof(btf_gl_options, shader) || !options->get_proc_address) {
         return btfi_fail(log, BTF_ERROR_USAGE, "gl: the options have no get_proc_address");
+    }
 #define LOAD(name, result, parameters)                                                                     \
     {                                                                                                      \
         btf_gl_function function = options->get_proc_address(options->user, "gl" #name);                   \
@@ -20,17 +21,20 @@ btf_result btfi_gl_load(const btf_gl_options *options, const btf_log *log, btfi_
     }
     BTFI_GL_FUNCTIONS(LOAD)
     const char *version = (const char *)out_gl->GetString(GL_VERSION);
-    if (!version)
+    if (!version) {
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: no context is current");
+    }
     out_gl->is_es = strncmp(version, "OpenGL ES", 9) == 0;
     out_gl->GetIntegerv(GL_MAJOR_VERSION, &out_gl->major);
     out_gl->GetIntegerv(GL_MINOR_VERSION, &out_gl->minor);
     int have = 10 * out_gl->major + out_gl->minor, need = out_gl->is_es ? 30 : 33;
-    if (have < need)
+    if (have < need) {
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the context is \"%s\", but %s or later is needed",
                          version, out_gl->is_es ? "OpenGL ES 3.0" : "OpenGL 3.3");
-    if (out_gl->is_es)
+    }
+    if (out_gl->is_es) {
         return BTF_OK;
+    }
     BTFI_GL_DESKTOP_FUNCTIONS(LOAD)
     int32_t profile = 0; /* some drivers say 0 of a context that was made the old way: not core either */
     out_gl->GetIntegerv(GL_CONTEXT_PROFILE_MASK, &profile);
@@ -47,10 +51,12 @@ uint32_t btfi_gl_errors(const btfi_gl_functions *gl) {
     uint32_t first = GL_NO_ERROR;
     for (int i = 0; i < AT_MOST; ++i) {
         uint32_t error = gl->GetError();
-        if (error == GL_NO_ERROR)
+        if (error == GL_NO_ERROR) {
             break;
-        if (first == GL_NO_ERROR)
+        }
+        if (first == GL_NO_ERROR) {
             first = error;
+        }
     }
     return first;
 }
@@ -63,7 +69,10 @@ static const uint32_t unpack_names[BTFI_UNPACK_COUNT] = {
 /* A compatibility context may change the texels of an upload by these, and does nothing with these values;
  * those behind the first nine belong to GL_ARB_imaging. */
 enum { TRANSFERS_ALWAYS = 9 };
-#define FOUR(name, neutral) {name, neutral}, {name + 1, neutral}, {name + 2, neutral}, {name + 3, neutral}
+#define FOUR(name, neutral)                                                                                \
+    {name, neutral}, {name + 1, neutral}, {name + 2, neutral}, {                                           \
+        name + 3, neutral                                                                                  \
+    }
 static const struct {
     uint32_t name;
     float neutral;
@@ -84,9 +93,14 @@ static const struct {
 };
 #undef FOUR
 static const uint32_t imagings[BTFI_IMAGING_COUNT] = {
-    GL_COLOR_TABLE,    GL_POST_CONVOLUTION_COLOR_TABLE, GL_POST_COLOR_MATRIX_COLOR_TABLE,
-    GL_CONVOLUTION_1D, GL_CONVOLUTION_2D,               GL_SEPARABLE_2D,
-    GL_HISTOGRAM,      GL_MINMAX,
+    GL_COLOR_TABLE,
+    GL_POST_CONVOLUTION_COLOR_TABLE,
+    GL_POST_COLOR_MATRIX_COLOR_TABLE,
+    GL_CONVOLUTION_1D,
+    GL_CONVOLUTION_2D,
+    GL_SEPARABLE_2D,
+    GL_HISTOGRAM,
+    GL_MINMAX,
 };
 
 /* Of a compatibility context: glPixelTransfer and the imaging subset. */
@@ -103,16 +117,20 @@ static void save_transfer(const btfi_gl_functions *gl, btfi_gl_unpack *out) {
         out->imaging[i] = gl->IsEnabled(imagings[i]);
         gl->Disable(imagings[i]);
     }
-    if (btfi_gl_errors(gl) != GL_NO_ERROR) /* a context that did not say what it is, and is core */
+    if (btfi_gl_errors(gl) != GL_NO_ERROR) { /* a context that did not say what it is, and is core */
         out->transfers = out->imagings = 0;
+    }
 }
 
 static void restore_transfer(const btfi_gl_functions *gl, const btfi_gl_unpack *saved) {
-    for (int i = 0; i < saved->transfers; ++i)
+    for (int i = 0; i < saved->transfers; ++i) {
         gl->PixelTransferf(transfers[i].name, saved->transfer[i]);
-    for (int i = 0; i < saved->imagings; ++i)
-        if (saved->imaging[i])
+    }
+    for (int i = 0; i < saved->imagings; ++i) {
+        if (saved->imaging[i]) {
             gl->Enable(imagings[i]);
+        }
+    }
 }
 
 void btfi_gl_save_unpack(const btfi_gl_functions *gl, btfi_gl_unpack *out) {
@@ -123,13 +141,15 @@ void btfi_gl_save_unpack(const btfi_gl_functions *gl, btfi_gl_unpack *out) {
         gl->GetIntegerv(unpack_names[i], &out->value[i]);
         gl->PixelStorei(unpack_names[i], unpack_names[i] == GL_UNPACK_ALIGNMENT ? 1 : 0);
     }
-    if (gl->is_compatibility)
+    if (gl->is_compatibility) {
         save_transfer(gl, out);
+    }
 }
 
 void btfi_gl_restore_unpack(const btfi_gl_functions *gl, const btfi_gl_unpack *saved) {
-    for (int i = gl->is_es; i < BTFI_UNPACK_COUNT; ++i)
+    for (int i = gl->is_es; i < BTFI_UNPACK_COUNT; ++i) {
         gl->PixelStorei(unpack_names[i], saved->value[i]);
+    }
     gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, (uint32_t)saved->buffer);
     restore_transfer(gl, saved);
 }

@@ -15,21 +15,24 @@ enum { SIDE = 2 }; /* of the framebuffer: pixels are drawn in such blocks */
 /* Draws the pixels and reads them. `unit` is that of the sampler, if there is one. */
 static btf_result run_program(const btfi_gl_functions *gl, uint32_t program, int32_t unit,
                               const btf_log *log, uint32_t *failures) {
-    if (!program)
+    if (!program) {
         return BTF_ERROR_UNSUPPORTED;
+    }
     uint32_t pixels[SIDE * SIDE][4] = {{0}};
     gl->UseProgram(program);
     int32_t location = gl->GetUniformLocation(program, "btf_texels");
-    if (location >= 0)
+    if (location >= 0) {
         gl->Uniform1i(location, unit);
+    }
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
     gl->ReadPixels(0, 0, SIDE, SIDE, GL_RGBA_INTEGER, GL_UNSIGNED_INT, pixels);
     gl->DeleteProgram(program);
     uint32_t error = btfi_gl_errors(gl);
     for (int i = 0; i < SIDE * SIDE; ++i) {
-        if (error != GL_NO_ERROR || pixels[i][1] != 0x42544621u)
+        if (error != GL_NO_ERROR || pixels[i][1] != 0x42544621u) {
             return btfi_fail(log, BTF_ERROR_UNSUPPORTED,
                              "gl: the context did not draw the self-test (GL error 0x%04x)", error);
+        }
         *failures |= pixels[i][0];
     }
     return BTF_OK;
@@ -75,13 +78,15 @@ static btf_result run_levels(const btfi_gl_functions *gl, const char *version, i
     gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 2);
     for (int32_t level = 0; level < 3; ++level) {
         uint32_t texels[16][4];
-        for (int i = 0; i < 16; ++i)
+        for (int i = 0; i < 16; ++i) {
             texels[i][0] = texels[i][1] = texels[i][2] = texels[i][3] = 0x1234567u << level;
+        }
         gl->TexImage2D(GL_TEXTURE_2D, level, GL_RGBA32UI, 4 >> level, 4 >> level, 0, GL_RGBA_INTEGER,
                        GL_UNSIGNED_INT, texels);
     }
     const char *parts[] = {version, head_text, "", main_text};
-    btf_result result = run_program(gl, btfi_gl_program(gl, 4, parts, "self-test", log), unit, log, failures);
+    btf_result result =
+        run_program(gl, btfi_gl_program(gl, 4, parts, "self-test", log), unit, log, failures);
     gl->DeleteTextures(1, &texture);
     return result;
 }
@@ -106,8 +111,9 @@ static btf_result run_array(const btfi_gl_functions *gl, const char *version, in
         "    btf_result = uvec4(wrong != uvec4(0u) ? 256u : 0u, 0x42544621u, 0u, 0u);\n"
         "}\n";
     uint32_t texture = 0, words[3 * SIDE * SIDE * 4];
-    for (uint32_t i = 0; i < sizeof words / sizeof *words; ++i)
+    for (uint32_t i = 0; i < sizeof words / sizeof *words; ++i) {
         words[i] = (i + 1) * 0x9E3779B9u;
+    }
     gl->GenTextures(1, &texture);
     gl->BindTexture(GL_TEXTURE_2D_ARRAY, texture);
     gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
@@ -116,14 +122,15 @@ static btf_result run_array(const btfi_gl_functions *gl, const char *version, in
     gl->TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA32UI, SIDE, SIDE, 3, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
                    words);
     const char *parts[] = {version, head_text, "", main_text};
-    btf_result result = run_program(gl, btfi_gl_program(gl, 4, parts, "self-test", log), unit, log, failures);
+    btf_result result =
+        run_program(gl, btfi_gl_program(gl, 4, parts, "self-test", log), unit, log, failures);
     gl->DeleteTextures(1, &texture);
     return result;
 }
 
 /* Four neighbouring pixels fetch half a byte and then the layer that it names, as lists of points do. */
-static btf_result run_lists(const btfi_gl_functions *gl, const char *version, int32_t unit, const btf_log *log,
-                            uint32_t *failures) {
+static btf_result run_lists(const btfi_gl_functions *gl, const char *version, int32_t unit,
+                            const btf_log *log, uint32_t *failures) {
     static const char head_text[] = "precision highp float;\n"
                                     "precision highp int;\n"
                                     "uniform highp usampler2DArray btf_texels;\n"
@@ -133,7 +140,8 @@ static btf_result run_lists(const btfi_gl_functions *gl, const char *version, in
         "    uvec2 p = uvec2(gl_FragCoord.xy);\n"
         "    uint wrong = 0u;\n"
         "    for (uint view = 0u; view < 3u; ++view) {\n"
-        "        uint layer = (texelFetch(btf_texels, ivec3(p, view >> 1u), 0).x >> ((view & 1u) << 2u)) & 15u;\n"
+        "        uint layer = (texelFetch(btf_texels, ivec3(p, view >> 1u), 0).x >> ((view & 1u) << 2u)) & "
+        "15u;\n"
         "        uvec2 bytes = texelFetch(btf_texels, ivec3(p, layer), 0).xy;\n"
         "        uint named = 2u + (p.x + 2u * p.y + 5u * view) % 14u;\n"
         "        wrong |= layer ^ named;\n"
@@ -144,8 +152,9 @@ static btf_result run_lists(const btfi_gl_functions *gl, const char *version, in
     enum { LAYERS = 16 };
     uint8_t bytes[LAYERS][SIDE * SIDE][2] = {{{0}}};
     for (uint32_t i = 0; i < SIDE * SIDE; ++i) {
-        for (uint32_t view = 0; view < 3; ++view)
+        for (uint32_t view = 0; view < 3; ++view) {
             bytes[view / 2][i][0] |= (uint8_t)((2 + (i + 5 * view) % 14) << 4 * (view % 2));
+        }
         for (uint32_t layer = 2; layer < LAYERS; ++layer) {
             const uint32_t word = (layer * SIDE * SIDE + i) * 1021;
             bytes[layer][i][0] = (uint8_t)word;
@@ -158,9 +167,11 @@ static btf_result run_lists(const btfi_gl_functions *gl, const char *version, in
     gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, 0);
-    gl->TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RG8UI, SIDE, SIDE, LAYERS, 0, GL_RG_INTEGER, GL_UNSIGNED_BYTE, bytes);
+    gl->TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RG8UI, SIDE, SIDE, LAYERS, 0, GL_RG_INTEGER, GL_UNSIGNED_BYTE,
+                   bytes);
     const char *parts[] = {version, head_text, "", main_text};
-    btf_result result = run_program(gl, btfi_gl_program(gl, 4, parts, "self-test", log), unit, log, failures);
+    btf_result result =
+        run_program(gl, btfi_gl_program(gl, 4, parts, "self-test", log), unit, log, failures);
     gl->DeleteTextures(1, &texture);
     return result;
 }
@@ -169,8 +180,9 @@ btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, u
     *out_failures = 0;
     btfi_gl_functions api;
     btf_result result = btfi_gl_load(options, log, &api);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     btfi_gl_errors(&api);
     btfi_gl_state saved;
     btfi_gl_save_state(&api, &saved);
@@ -188,23 +200,29 @@ btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, u
     api.GenVertexArrays(1, &array);
     api.BindVertexArray(array);
     api.Viewport(0, 0, SIDE, SIDE);
-    if (api.CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    if (api.CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
         result = btfi_fail(log, BTF_ERROR_UNSUPPORTED,
                            "gl: the context refuses a framebuffer of format RGBA32UI");
+    }
 
     char version[32];
     btfi_gl_version(&api, version, sizeof version);
     int has_precise = api.is_es ? 10 * api.major + api.minor >= 32 : api.major >= 4;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = run_arithmetic(&api, version, 1, log, out_failures);
-    if (result == BTF_OK && has_precise)
+    }
+    if (result == BTF_OK && has_precise) {
         result = run_arithmetic(&api, version, 0, log, out_failures);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = run_levels(&api, version, saved.unit, log, out_failures);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = run_array(&api, version, saved.unit, log, out_failures);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = run_lists(&api, version, saved.unit, log, out_failures);
+    }
 
     api.DeleteVertexArrays(1, &array);
     api.DeleteFramebuffers(1, &framebuffer);

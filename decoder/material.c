@@ -14,8 +14,9 @@
 char *btfi_copy_string(const char *text, size_t length) {
     char *copy = malloc(length + 1);
     if (copy) {
-        if (length)
+        if (length) {
             memcpy(copy, text, length);
+        }
         copy[length] = 0;
     }
     return copy;
@@ -30,12 +31,15 @@ btf_material *btfi_material_new(void) {
 }
 
 void btf_material_close(btf_material **material) {
-    if (!material || !*material)
+    if (!material || !*material) {
         return;
+    }
     btf_material *m = *material;
-    for (int level = 0; level < BTF_MAX_LEVELS; level++)
-        for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+    for (int level = 0; level < BTF_MAX_LEVELS; level++) {
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
             free(m->texture[level][id]);
+        }
+    }
     btfi_directions_clear(&m->views);
     btfi_directions_clear(&m->lights);
     free(m->errors);
@@ -53,11 +57,13 @@ void btf_material_close(btf_material **material) {
 
 btf_result btfi_material_make_vectors(const btf_log *log, const uint8_t *acts, btf_material *m) {
     const size_t views = m->info.n_views;
-    if (!(m->info.effects & BTFI_VECTOR_EFFECTS))
+    if (!(m->info.effects & BTFI_VECTOR_EFFECTS)) {
         return BTF_OK;
+    }
     m->view_vectors = calloc(views, 4 * sizeof *m->view_vectors);
-    if (!m->view_vectors)
+    if (!m->view_vectors) {
         return btfi_fail(log, BTF_ERROR_MEMORY, "view_vectors: out of memory for %zu views", views);
+    }
     for (size_t v = 0; v < views; v++) {
         memcpy(m->view_vectors + 4 * v, m->views.xyz + 3 * v, 3 * sizeof *m->view_vectors);
         m->view_vectors[4 * v + 3] = m->info.effects & BTF_EFFECT_RELIEF && (!acts || acts[v]) ? 1 : 0;
@@ -66,16 +72,19 @@ btf_result btfi_material_make_vectors(const btf_log *log, const uint8_t *acts, b
 }
 
 btf_result btfi_material_allocate(const btf_log *log, btf_material *m) {
-    for (uint32_t level = 0; level < m->info.levels; level++)
+    for (uint32_t level = 0; level < m->info.levels; level++) {
         for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
             size_t size = btf_material_level_shape(&m->info, level, (btf_texture_id)id).size;
-            if (size == 0)
+            if (size == 0) {
                 continue;
+            }
             m->texture[level][id] = calloc(1, size);
-            if (!m->texture[level][id])
+            if (!m->texture[level][id]) {
                 return btfi_fail(log, BTF_ERROR_MEMORY, "%s: out of memory for %zu bytes",
                                  btfi_texture_name(level, (btf_texture_id)id).text, size);
+            }
         }
+    }
     return BTF_OK;
 }
 
@@ -100,8 +109,9 @@ void btfi_material_finish(btf_material *m) {
 
 btf_result btf_material_get_info(const btf_material *material, btf_material_info *out_info) {
     size_t size = out_info->struct_size;
-    if (size < sizeof size)
+    if (size < sizeof size) {
         return BTF_ERROR_USAGE;
+    }
     size_t filled = size < sizeof material->info ? size : sizeof material->info;
     memcpy(out_info, &material->info, filled);
     out_info->struct_size = size;
@@ -132,24 +142,30 @@ static btf_texture vector_texture(const btf_material *m) {
 }
 
 btf_texture btf_material_texture(const btf_material *material, btf_texture_id id) {
-    if (id == BTF_TEXTURE_VIEW_VECTORS)
+    if (id == BTF_TEXTURE_VIEW_VECTORS) {
         return vector_texture(material);
-    if (id == BTF_TEXTURE_VIEW_TABLE)
+    }
+    if (id == BTF_TEXTURE_VIEW_TABLE) {
         return table_texture(&material->views);
-    if (id == BTF_TEXTURE_LIGHT_TABLE)
+    }
+    if (id == BTF_TEXTURE_LIGHT_TABLE) {
         return table_texture(&material->lights);
+    }
     btf_texture texture = btf_material_texture_shape(&material->info, id);
-    if (texture.format != BTF_FORMAT_NONE)
+    if (texture.format != BTF_FORMAT_NONE) {
         texture.data = material->texture[0][id];
+    }
     return texture;
 }
 
 btf_texture btf_material_level_texture(const btf_material *material, uint32_t level, btf_texture_id id) {
-    if (level == 0)
+    if (level == 0) {
         return btf_material_texture(material, id);
+    }
     btf_texture texture = btf_material_level_shape(&material->info, level, id);
-    if (texture.format != BTF_FORMAT_NONE)
+    if (texture.format != BTF_FORMAT_NONE) {
         texture.data = material->texture[level][id];
+    }
     return texture;
 }
 
@@ -205,34 +221,42 @@ static const void *const *level_textures(const btf_material_desc *desc, uint32_t
 
 /* Copies the caller's textures: those that info calls for must be there, others must not. */
 static btf_result copy_textures(const btf_material_desc *desc, const btf_log *log, btf_material *m) {
-    for (uint32_t level = 0; level < BTF_MAX_LEVELS; level++)
+    for (uint32_t level = 0; level < BTF_MAX_LEVELS; level++) {
         for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
             size_t size = btf_material_level_shape(&m->info, level, (btf_texture_id)id).size;
             const btfi_name name = btfi_texture_name(level, (btf_texture_id)id);
             const void *data = level_textures(desc, level)[id];
-            if (size == 0 && data)
+            if (size == 0 && data) {
                 return btfi_fail(log, BTF_ERROR_USAGE, "%s: given, but the material has no such texture",
                                  name.text);
-            if (size != 0 && !data)
+            }
+            if (size != 0 && !data) {
                 return btfi_fail(log, BTF_ERROR_USAGE, "%s: missing; the material needs its %zu bytes",
                                  name.text, size);
+            }
         }
+    }
     btf_result result = btfi_material_allocate(log, m);
-    if (result)
+    if (result) {
         return result;
-    for (uint32_t level = 0; level < m->info.levels; level++)
-        for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
-            if (m->texture[level][id])
+    }
+    for (uint32_t level = 0; level < m->info.levels; level++) {
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+            if (m->texture[level][id]) {
                 memcpy(m->texture[level][id], level_textures(desc, level)[id],
                        btf_material_level_shape(&m->info, level, (btf_texture_id)id).size);
+            }
+        }
+    }
     return BTF_OK;
 }
 
 /* A copy of `count` rows; NULL, and *good false, when out of memory. */
 static void *copy_rows(const void *rows, size_t count, size_t size, bool *good) {
     void *copy = count ? calloc(count, size) : NULL;
-    if (copy)
+    if (copy) {
         memcpy(copy, rows, count * size);
+    }
     *good = *good && (copy || !count);
     return copy;
 }
@@ -256,24 +280,30 @@ static btf_result copy_provenance(const btf_material_desc *desc, const btf_log *
     m->between_errors =
         copy_rows(desc->between_errors, desc->between_error_count, sizeof *m->between_errors, &good);
     m->between_error_count = desc->between_error_count;
-    if (desc->preview)
+    if (desc->preview) {
         m->preview =
             copy_rows(desc->preview, (size_t)m->info.width * m->info.height, 4 * sizeof *m->preview, &good);
-    if (!good)
+    }
+    if (!good) {
         return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for the material's provenance");
+    }
     return BTF_OK;
 }
 
 /* Checks the list of views that relief acts on: 0 or 1 each, and only with the effect. */
 static btf_result check_relief_views(const btf_material_desc *desc, const btf_log *log) {
-    if (!desc->relief_views)
+    if (!desc->relief_views) {
         return BTF_OK;
-    if (!(desc->info.effects & BTF_EFFECT_RELIEF))
+    }
+    if (!(desc->info.effects & BTF_EFFECT_RELIEF)) {
         return btfi_fail(log, BTF_ERROR_USAGE, "reliefViews: given without the effect relief");
-    for (uint32_t v = 0; v < desc->info.n_views; v++)
-        if (desc->relief_views[v] > 1)
+    }
+    for (uint32_t v = 0; v < desc->info.n_views; v++) {
+        if (desc->relief_views[v] > 1) {
             return btfi_fail(log, BTF_ERROR_USAGE, "reliefViews: number %u is %u, not 0 or 1", (unsigned)v,
                              (unsigned)desc->relief_views[v]);
+        }
+    }
     return BTF_OK;
 }
 
@@ -281,45 +311,55 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
                                btf_material **out_material) {
     const btfi_check check = {log, BTF_ERROR_USAGE};
     *out_material = NULL;
-    if (desc->struct_size != sizeof *desc)
+    if (desc->struct_size != sizeof *desc) {
         return btfi_fail(log, BTF_ERROR_USAGE,
                          "struct_size is %zu; this library's btf_material_desc has %zu", desc->struct_size,
                          sizeof *desc);
-    if (!desc->views || !desc->lights)
+    }
+    if (!desc->views || !desc->lights) {
         return btfi_fail(log, BTF_ERROR_USAGE, "%s: missing", desc->views ? "lights" : "views");
-    if (desc->error_count && !desc->errors)
+    }
+    if (desc->error_count && !desc->errors) {
         return btfi_fail(log, BTF_ERROR_USAGE, "errors: %zu rows, but the pointer to them is NULL",
                          desc->error_count);
-    if (desc->level_error_count && !desc->level_errors)
+    }
+    if (desc->level_error_count && !desc->level_errors) {
         return btfi_fail(log, BTF_ERROR_USAGE, "level errors: %zu rows, but the pointer to them is NULL",
                          desc->level_error_count);
-    if (desc->effect_error_count && !desc->effect_errors)
+    }
+    if (desc->effect_error_count && !desc->effect_errors) {
         return btfi_fail(log, BTF_ERROR_USAGE,
                          "effect errors: %zu numbers, but the pointer to them is NULL",
                          desc->effect_error_count);
-    if (desc->between_error_count && !desc->between_errors)
+    }
+    if (desc->between_error_count && !desc->between_errors) {
         return btfi_fail(log, BTF_ERROR_USAGE,
                          "between errors: %zu numbers, but the pointer to them is NULL",
                          desc->between_error_count);
+    }
     btf_material_info info = desc->info;
     info.levels = info.levels ? info.levels : 1;
-    if (info.effects & BTF_EFFECT_RELIEF && info.relief_end == 0)
+    if (info.effects & BTF_EFFECT_RELIEF && info.relief_end == 0) {
         info.relief_end = info.levels;
+    }
     info.half_float = info.half_float && info.colour != BTF_COLOUR_NONE;
     info.horizon_scale = info.horizon_scale == 0 ? 1 : info.horizon_scale;
     info.gain_base = info.gain_base == 0 ? 0 : info.gain_base; /* -0 becomes 0 */
     info.gain_step = info.gain_step == 0 ? 0 : info.gain_step;
     btf_result result = btfi_check_info(&check, &info);
-    if (result)
+    if (result) {
         return result;
-    if (desc->preview && btfi_version(&info) < 2)
+    }
+    if (desc->preview && btfi_version(&info) < 2) {
         return btfi_fail(log, BTF_ERROR_USAGE,
                          "preview: given, but nothing else of the material needs version 2, and files of "
                          "version 1 have no preview");
+    }
 
     btf_material *m = btfi_material_new();
-    if (!m)
+    if (!m) {
         return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for a material");
+    }
     m->info = info;
     if ((result = copy_textures(desc, log, m)) ||
         (result = btfi_check_values(&check, &m->info, m->texture)) ||

@@ -22,8 +22,9 @@ static void add_channel(btfi_part *part, const char *name, uint32_t layer, uint3
 
 /* Channels named by single letters, filling components 0, 1, ... */
 static void add_letters(btfi_part *part, const char *letters) {
-    for (uint32_t i = 0; letters[i]; i++)
+    for (uint32_t i = 0; letters[i]; i++) {
         add_channel(part, (const char[2]){letters[i], 0}, 0, i);
+    }
 }
 
 static void add_lobe(btfi_part *part, uint32_t lobe, uint32_t layer) {
@@ -47,15 +48,17 @@ static void sbrdf_channels(btfi_part *part, const btf_material_info *info) {
             add_channel(part, name, i / 4, i % 4);
         }
     }
-    for (uint32_t lobe = 0; lobe < info->lobes; lobe++)
+    for (uint32_t lobe = 0; lobe < info->lobes; lobe++) {
         add_lobe(part, lobe, lead + lobe);
+    }
 }
 
 /* Makes the part's image a contact sheet of `layers` layers of the texture's width x height. */
 static void make_sheet(btfi_part *part, uint32_t layers) {
     uint32_t columns = 1;
-    while (columns * columns < layers)
+    while (columns * columns < layers) {
         columns++;
+    }
     part->layers = layers;
     part->columns = columns;
     part->width = columns * part->shape.width;
@@ -65,8 +68,9 @@ static void make_sheet(btfi_part *part, uint32_t layers) {
 bool btfi_part_of(const btf_material_info *info, uint32_t level, btf_texture_id id, btfi_part *out) {
     btfi_part part = {.name = btfi_texture_name(level, id), .level = level, .id = id};
     part.shape = btf_material_level_shape(info, level, id);
-    if (part.shape.format == BTF_FORMAT_NONE || btfi_is_table(id))
+    if (part.shape.format == BTF_FORMAT_NONE || btfi_is_table(id)) {
         return false;
+    }
     part.storage = BTFI_STORAGE_UINT8;
     part.width = part.shape.width;
     part.height = part.shape.height;
@@ -140,11 +144,14 @@ static btfi_part preview_part(const btf_material_info *info) {
 btfi_part *btfi_parts(const btf_material_info *info, bool preview, int *out_count) {
     int count = 0;
     btfi_part *parts = calloc(BTFI_MAX_PARTS, sizeof *parts);
-    if (preview && parts)
+    if (preview && parts) {
         parts[count++] = preview_part(info);
-    for (uint32_t level = 0; level < info->levels && parts; level++)
-        for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+    }
+    for (uint32_t level = 0; level < info->levels && parts; level++) {
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
             count += btfi_part_of(info, level, (btf_texture_id)id, &parts[count]);
+        }
+    }
     *out_count = count;
     return parts;
 }

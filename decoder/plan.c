@@ -29,10 +29,11 @@ static void count_directions(const btfi_directions *directions, const btf_shader
     const bool nearest = o->interpolation == BTF_INTERPOLATION_NEAREST;
     *out_all = nearest ? 1 : 3;
     *out_skipped = 0;
-    if (o->fixed & fixed)
+    if (o->fixed & fixed) {
         *out_all = btfi_neighbours_of(directions, fixed_direction, nearest).count;
-    else if (!nearest && range && range->fixed)
+    } else if (!nearest && range && range->fixed) {
         *out_skipped = 3 - btfi_neighbours_of(directions, range->direction, false).count;
+    }
 }
 
 /* The counts of a shader that reads a material of `info`, with the directions of `material`. */
@@ -71,8 +72,9 @@ static void band_weights(const btf_range *range, uint32_t count, const float *li
                          double weight[BTF_MAX_BANDS]) {
     const bool all = range->theta[0] == 0 && range->theta[1] == 0;
     double low = all ? 0 : range->theta[0], high = all ? 90 : range->theta[1], sum = 0;
-    if (range->fixed)
+    if (range->fixed) {
         low = high = acos(fmin(range->direction[2], 1)) / DEGREE;
+    }
     /* Beyond the outermost ring there is nothing to be measured by: it counts there too, but for no more.
      */
     low = fmin(low, limits[count]);
@@ -102,10 +104,13 @@ static const float *row_at(const error_table *t, uint32_t index) {
 /* Adds a row's errors, weighted by the bands. */
 static void add_errors(const error_table *t, const float *row, double mse[2]) {
     const float *cell = row + 5;
-    for (uint32_t v = 0; v < t->rows.view_bands; v++)
-        for (uint32_t l = 0; l < t->rows.light_bands; l++, cell += 2)
-            for (int i = 0; i < 2; i++)
+    for (uint32_t v = 0; v < t->rows.view_bands; v++) {
+        for (uint32_t l = 0; l < t->rows.light_bands; l++, cell += 2) {
+            for (int i = 0; i < 2; i++) {
                 mse[i] += t->view[v] * t->light[l] * (double)cell[i];
+            }
+        }
+    }
 }
 
 /* The row of the effects and components of row `index`, measured where view, light or both are samples
@@ -114,8 +119,9 @@ static const float *row_of_kind(const error_table *t, uint32_t index, int kind) 
     const float *row = row_at(t, index);
     for (uint32_t r = 0; r < t->rows.row_count; r++) {
         const float *other = row_at(t, r);
-        if (other[0] == row[0] && other[1] == row[1] && other[2] == (float)kind && other[3] == row[3])
+        if (other[0] == row[0] && other[1] == row[1] && other[2] == (float)kind && other[3] == row[3]) {
             return other;
+        }
     }
     return row;
 }
@@ -128,20 +134,23 @@ static candidate read_candidate(const error_table *t, uint32_t index) {
                    .components = (uint32_t)row[1],
                    .interpolation = row[2] == 0 ? BTF_INTERPOLATION_LINEAR : BTF_INTERPOLATION_NEAREST};
     add_errors(t, row, c.mse);
-    if (t->at_view == 0 && t->at_light == 0)
+    if (t->at_view == 0 && t->at_light == 0) {
         return c;
+    }
     const double share[4] = {t->at_view * t->at_light, t->at_view * (1 - t->at_light),
                              (1 - t->at_view) * t->at_light, (1 - t->at_view) * (1 - t->at_light)};
     static const int kinds[3] = {2, 3, 4};
     double mse[4][2] = {{0}};
     /* Nearest directions have no rows of their own where one is a sample: between the samples errors are no less. */
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; k++) {
         add_errors(t, k > 0 && row[2] == 1 ? row : row_of_kind(t, index, kinds[k]), mse[k]);
+    }
     for (int i = 0; i < 2; i++) {
         double sum = 0;
         mse[3][i] = c.mse[i];
-        for (int k = 0; k < 4; k++)
+        for (int k = 0; k < 4; k++) {
             sum += share[k] * log(fmax(mse[k][i], 1e-12));
+        }
         c.mse[i] = exp(sum);
     }
     return c;
@@ -154,11 +163,13 @@ static bool is_at_samples(const error_table *t, uint32_t index) {
 /* The sum of squared weights: 1 at a sample, 1/2 on the average over a triangle. */
 static double concentration(const btfi_directions *d, const btf_range *range) {
     double sum = 0;
-    if (!range->fixed)
+    if (!range->fixed) {
         return 0.5;
+    }
     const btfi_neighbours n = btfi_neighbours_of(d, range->direction, false);
-    for (uint32_t i = 0; i < n.count; i++)
+    for (uint32_t i = 0; i < n.count; i++) {
         sum += (double)n.weight[i] * n.weight[i] * 0x1p-24;
+    }
     return sum;
 }
 
@@ -197,8 +208,9 @@ enum { BETWEEN = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
 
 /* Whether the view is fixed, and a sample. One beyond the outermost has the same neighbour, but is not. */
 static bool view_is_sample(const btfi_directions *views, const btf_range *range) {
-    if (!range->fixed)
+    if (!range->fixed) {
         return false;
+    }
     const btfi_neighbours n = btfi_neighbours_of(views, range->direction, true);
     const float *sample = views->xyz + 3 * (size_t)n.index[0], *v = range->direction;
     return hypot(hypot((double)(v[0] - sample[0]), (double)(v[1] - sample[1])),
@@ -208,8 +220,9 @@ static bool view_is_sample(const btfi_directions *views, const btf_range *range)
 /* The coarsest level whose texels are not larger than a pixel. */
 static uint32_t level_for(const btf_material_info *info, float pixels) {
     uint32_t level = 0;
-    while (level + 1 < info->levels && ldexpf(pixels, (int)level + 1) <= 1)
+    while (level + 1 < info->levels && ldexpf(pixels, (int)level + 1) <= 1) {
         level++;
+    }
     return level;
 }
 
@@ -247,8 +260,9 @@ static void plan_all(const btf_material *material, const btf_scene *scene, uint3
 /* The material's table, weighted for a scene. */
 static error_table open_table(const btf_material *material, const btf_scene *scene) {
     error_table t = {.rows = btf_material_effect_errors(material)};
-    if (t.rows.row_count == 0)
+    if (t.rows.row_count == 0) {
         return t;
+    }
     band_weights(&scene->view, t.rows.view_bands, t.rows.view_limits, t.view);
     band_weights(&scene->light, t.rows.light_bands, t.rows.light_limits, t.light);
     t.at_view = fmin(fmax(1 + log2(concentration(&material->views, &scene->view)), 0), 1);
@@ -277,22 +291,28 @@ static bool find_row_between(const btf_material *material, const btf_scene *scen
     const btf_between_errors b = btf_material_between_errors(material);
     double view[BTF_MAX_BANDS], light[BTF_MAX_BANDS], sum[2] = {0, 0}, weight = 0;
     uint32_t r = 0;
-    while (r < b.row_count && b.rows[(size_t)r * b.row_stride] != left_out)
+    while (r < b.row_count && b.rows[(size_t)r * b.row_stride] != left_out) {
         r++;
-    if (r == b.row_count)
+    }
+    if (r == b.row_count) {
         return false;
+    }
     band_weights(&scene->view, b.view_bands, b.view_limits, view);
     band_weights(&scene->light, b.light_bands, b.light_limits, light);
     const float *cell = b.rows + (size_t)r * b.row_stride + 5;
-    for (uint32_t v = 0; v < b.view_bands; v++)
-        for (uint32_t l = 0; l < b.light_bands; l++, cell += 2)
+    for (uint32_t v = 0; v < b.view_bands; v++) {
+        for (uint32_t l = 0; l < b.light_bands; l++, cell += 2) {
             if (cell[0] >= 0) {
                 weight += view[v] * light[l];
-                for (int i = 0; i < 2; i++)
+                for (int i = 0; i < 2; i++) {
                     sum[i] += view[v] * light[l] * (double)cell[i];
+                }
             }
-    for (int i = 0; i < 2 && weight > 0; i++)
+        }
+    }
+    for (int i = 0; i < 2 && weight > 0; i++) {
         mse[i] = sum[i] / weight;
+    }
     return weight > 0;
 }
 
@@ -311,10 +331,12 @@ static bool find_gloss(const btf_material *material, const btf_scene *scene, dou
     }; /* where the light is a sample, gloss only blurs it by others */
     double with[2], without[2];
     if (!find_row_between(material, scene, BOTH, with) ||
-        !find_row_between(material, scene, BOTH_WITHOUT_GLOSS, without))
+        !find_row_between(material, scene, BOTH_WITHOUT_GLOSS, without)) {
         return false;
-    for (int i = 0; i < 2; i++)
+    }
+    for (int i = 0; i < 2; i++) {
         growth[i] = fmax(without[i] / fmax(with[i], 1e-10) - 1, 0);
+    }
     return true;
 }
 
@@ -322,10 +344,12 @@ static bool find_gloss(const btf_material *material, const btf_scene *scene, dou
 static void fill_between(const btf_material *material, const error_table *t, const candidate *full,
                          const candidate *chosen, const double growth[2], btf_plan *plan) {
     double mse[2], of_plan[2];
-    if (plan->level > 0 || !find_between(material, &plan->scene, t, mse))
+    if (plan->level > 0 || !find_between(material, &plan->scene, t, mse)) {
         return;
-    for (int i = 0; i < 2; i++)
+    }
+    for (int i = 0; i < 2; i++) {
         of_plan[i] = mse[i] * (1 + growth[i]) + fmax(chosen->mse[i] - full->mse[i], 0);
+    }
     plan->full_between_psnr_linear = (float)psnr(mse[0]);
     plan->full_between_psnr_srgb = (float)psnr(mse[1]);
     plan->between_psnr_linear = (float)psnr(of_plan[0]);
@@ -336,19 +360,23 @@ static void fill_between(const btf_material *material, const error_table *t, con
 static void errors_to_tolerate(const btf_material *material, const btf_scene *scene, const error_table *t,
                                uint32_t level, const candidate *full, double base[2]) {
     double between[2] = {0, 0};
-    if (level > 0 || !find_between(material, scene, t, between))
+    if (level > 0 || !find_between(material, scene, t, between)) {
         between[0] = between[1] = 0;
-    for (int i = 0; i < 2; i++)
+    }
+    for (int i = 0; i < 2; i++) {
         base[i] = fmax(fmax(between[i] / 2, full->mse[i]), 1e-10);
+    }
 }
 
 /* Whether a candidate adds at most the tolerance, in dB, to these errors, which grow by themselves, too. */
 static bool is_tolerated(const candidate *c, const candidate *full, const double base[2],
                          const double growth[2], float tolerance) {
     const double most = pow(10, (double)tolerance / 10);
-    for (int i = 0; i < 2; i++)
-        if (base[i] * (1 + growth[i]) + fmax(c->mse[i] - full->mse[i], 0) > base[i] * most)
+    for (int i = 0; i < 2; i++) {
+        if (base[i] * (1 + growth[i]) + fmax(c->mse[i] - full->mse[i], 0) > base[i] * most) {
             return false;
+        }
+    }
     return true;
 }
 
@@ -357,10 +385,12 @@ btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, 
     const error_table t = open_table(material, &plan->scene);
     candidate c;
     *out_linear = *out_srgb = 0;
-    if (btfi_relief_has_ended(&material->info, plan->level))
+    if (btfi_relief_has_ended(&material->info, plan->level)) {
         effects |= BTF_EFFECT_RELIEF; /* as rows of the table have it, which are of the whole material */
-    if (!find_candidate(&t, plan->level, effects, components, plan->shader.interpolation, &c))
+    }
+    if (!find_candidate(&t, plan->level, effects, components, plan->shader.interpolation, &c)) {
         return BTF_ERROR_UNSUPPORTED;
+    }
     *out_linear = (float)psnr(c.mse[0]);
     *out_srgb = (float)psnr(c.mse[1]);
     return BTF_OK;
@@ -378,12 +408,14 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
     const btf_material_info *info = &material->info;
     btf_scene scene = {.struct_size = sizeof scene};
     btfi_reach views, lights;
-    if (given)
+    if (given) {
         memcpy(&scene, given, given->struct_size < sizeof scene ? given->struct_size : sizeof scene);
+    }
     scene.struct_size = sizeof scene; /* the plan's is whole */
     if (!is_within_limit(tolerance) || !is_within_limit(scene.pixels) ||
-        !btfi_range_is_legal(&scene.view) || !btfi_range_is_legal(&scene.light))
+        !btfi_range_is_legal(&scene.view) || !btfi_range_is_legal(&scene.light)) {
         return BTF_ERROR_USAGE;
+    }
     btfi_reach_range(&material->views, &scene.view, &views);
     btfi_reach_range(&material->lights, &scene.light, &lights);
     plan_all(material, &scene, views.count, lights.count, plan);
@@ -392,8 +424,10 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
     const error_table t = open_table(material, &scene);
     candidate full, chosen;
     btfi_fold_plan(material, plan);
-    if (!find_candidate(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR, &full))
+    if (!find_candidate(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR,
+                        &full)) {
         return BTF_OK;
+    }
     double base[2], growth[2][2] = {{0, 0}, {0, 0}}; /* with gloss, without */
     errors_to_tolerate(material, &scene, &t, plan->level, &full, base);
     plan->measured = 1;
@@ -408,16 +442,20 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
     btf_plan best = *plan;
     chosen = full;
     for (uint32_t r = 0; r < t.rows.row_count; r++) {
-        if (is_at_samples(&t, r) || level_of(&t, r) != plan->level)
+        if (is_at_samples(&t, r) || level_of(&t, r) != plan->level) {
             continue;
+        }
         const candidate c = read_candidate(&t, r);
-        if (info->effects & BETWEEN & ~idle & ~c.effects)
+        if (info->effects & BETWEEN & ~idle & ~c.effects) {
             continue;
-        if (scene.interpolate && c.interpolation == BTF_INTERPOLATION_NEAREST)
+        }
+        if (scene.interpolate && c.interpolation == BTF_INTERPOLATION_NEAREST) {
             continue;
+        }
         for (int without = 0; without <= may_fold; without++) {
-            if (!is_tolerated(&c, &full, base, growth[without], tolerance))
+            if (!is_tolerated(&c, &full, base, growth[without], tolerance)) {
                 continue;
+            }
             btf_plan tried = *plan;
             tried.effects = c.effects & ~idle & ~(without ? (uint32_t)BTF_EFFECT_GLOSS : 0);
             tried.components = c.components;

@@ -11,10 +11,12 @@ static void mix(uint32_t r[3]) {
 }
 
 void btf_random(const uint32_t counter[3], uint32_t out_random[3]) {
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3; ++i) {
         out_random[i] = counter[i] * 1664525u + 1013904223u;
+    }
     mix(out_random);
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3; ++i) {
         out_random[i] ^= out_random[i] >> 16;
+    }
     mix(out_random);
 }

@@ -53,8 +53,9 @@ static polygon clip(const polygon *p, point normal, double least) {
     for (int i = 0; i < p->count; i++) {
         const point a = p->corner[i], b = p->corner[(i + 1) % p->count];
         const double da = dot(normal, a) - least, db = dot(normal, b) - least;
-        if (da >= 0 && out.count < MOST_CORNERS)
+        if (da >= 0 && out.count < MOST_CORNERS) {
             out.corner[out.count++] = a;
+        }
         if ((da >= 0) != (db >= 0) && out.count < MOST_CORNERS) {
             const double t = da / (da - db);
             out.corner[out.count++] = (point){a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
@@ -78,23 +79,28 @@ static double distance(const polygon *p) {
 
 static bool annulus_meets(const region *r, const polygon *p) {
     double far = 0;
-    for (int i = 0; i < p->count; i++)
+    for (int i = 0; i < p->count; i++) {
         far = fmax(far, hypot(p->corner[i].x, p->corner[i].y));
+    }
     return p->count > 0 && far >= r->low - margin && distance(p) <= r->high + margin;
 }
 
 /* False only when no point of the region lies in the polygon. */
 static bool meets(const region *r, const polygon *p) {
-    if (!r->sector)
+    if (!r->sector) {
         return annulus_meets(r, p);
+    }
     const point left = {-r->from.y, r->from.x}, right = {r->to.y, -r->to.x};
     polygon a = clip(p, left, -margin);
-    if (!r->wide)
+    if (!r->wide) {
         a = clip(&a, right, -margin);
-    if (annulus_meets(r, &a))
+    }
+    if (annulus_meets(r, &a)) {
         return true;
-    if (!r->wide)
+    }
+    if (!r->wide) {
         return false;
+    }
     a = clip(p, right, -margin);
     return annulus_meets(r, &a);
 }
@@ -126,8 +132,9 @@ bool btfi_direction_is_legal(const float direction[3]) {
 }
 
 bool btfi_range_is_legal(const btf_range *r) {
-    if (r->fixed)
+    if (r->fixed) {
         return btfi_direction_is_legal(r->direction);
+    }
     return is_angle(r->theta[0], 0, 90) && is_angle(r->theta[1], r->theta[0], 90) &&
            is_angle(r->phi[0], -360, 360) && is_angle(r->phi[1], -360, 360);
 }
@@ -159,11 +166,13 @@ static void reach_records(const btfi_directions *d, const region *r, btfi_reach 
     for (uint32_t t = 0; t < d->triangle_count; t++) {
         const uint16_t *i = d->triangles + 3 * (size_t)t;
         const polygon triangle = {3, {vertex(d, i[0]), vertex(d, i[1]), vertex(d, i[2])}};
-        if (!meets(r, &triangle))
+        if (!meets(r, &triangle)) {
             continue;
+        }
         out->record[t] = BTFI_REACH_RECORD;
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; k++) {
             out->keep[i[k]] = true;
+        }
     }
     for (uint32_t h = 0; h < d->hull_count; h++) {
         polygon strip, cone;
@@ -171,10 +180,12 @@ static void reach_records(const btfi_directions *d, const region *r, btfi_reach 
         uint8_t *record = &out->record[d->triangle_count + h];
         *record = (uint8_t)((meets(r, &strip) ? BTFI_REACH_RECORD : 0) |
                             (meets(r, &cone) ? BTFI_REACH_CORNER : 0));
-        if (*record)
+        if (*record) {
             out->keep[hull_at(d, h)] = out->keep[hull_at(d, h + 1)] = true;
-        if (*record & BTFI_REACH_CORNER)
+        }
+        if (*record & BTFI_REACH_CORNER) {
             out->keep[hull_at(d, h + 2)] = true;
+        }
     }
 }
 
@@ -185,9 +196,11 @@ static void reach_direction(const btfi_directions *d, const float direction[3], 
     const uint32_t record = btfi_lookup(d, direction, index, weight);
     const bool triangle = record < d->triangle_count;
     const bool one = (weight[0] == 4096) + (weight[1] == 4096) + (weight[2] == 4096) > 0;
-    for (int k = 0; k < 3; k++)
-        if ((triangle && !one) || weight[k] > 0)
+    for (int k = 0; k < 3; k++) {
+        if ((triangle && !one) || weight[k] > 0) {
             out->keep[index[k]] = true;
+        }
+    }
 }
 
 void btfi_reach_range(const btfi_directions *d, const btf_range *range, btfi_reach *out) {
@@ -199,8 +212,9 @@ void btfi_reach_range(const btfi_directions *d, const btf_range *range, btfi_rea
         reach_records(d, &r, out);
         out->keep[0] = out->keep[0] || d->count == 1;
     }
-    for (uint32_t i = 0; i < d->count; i++)
+    for (uint32_t i = 0; i < d->count; i++) {
         out->count += out->keep[i];
+    }
 }
 
 /* The integer vectors of section 6. */
@@ -222,8 +236,9 @@ static int32_t dot_integer(vector p, vector q) {
 
 static uint32_t fraction(int32_t part, int32_t whole) {
     uint32_t s = 0;
-    while (whole >> s >= 1 << 19)
+    while (whole >> s >= 1 << 19) {
         s++;
+    }
     return ((uint32_t)(part >> s) << 12) / (uint32_t)(whole >> s);
 }
 
@@ -244,8 +259,9 @@ static bool try_triangle(const btfi_directions *d, uint32_t t, const uint16_t q[
     const int32_t e0 = cross_integer(subtract(b, q), subtract(c, q));
     const int32_t e1 = cross_integer(subtract(c, q), subtract(a, q));
     const int32_t e2 = cross_integer(subtract(a, q), subtract(b, q));
-    if (e0 < 0 || e1 < 0 || e2 < 0)
+    if (e0 < 0 || e1 < 0 || e2 < 0) {
         return false;
+    }
     const int32_t area = cross_integer(subtract(b, a), subtract(c, a));
     answer(index, weight, i[0], fraction(e0, area), i[1], fraction(e1, area), i[2]);
     return true;
@@ -276,13 +292,15 @@ uint32_t btfi_lookup(const btfi_directions *d, const float direction[3], uint32_
     const uint32_t cx = ((q[0] < 16383u ? q[0] : 16383u) * d->grid) >> 14;
     const uint32_t cy = ((q[1] < 16383u ? q[1] : 16383u) * d->grid) >> 14;
     const uint16_t *cell = d->cells;
-    for (uint32_t i = 0; i < cy * d->grid + cx; i++)
+    for (uint32_t i = 0; i < cy * d->grid + cx; i++) {
         cell += 1 + cell[0];
+    }
     for (uint32_t i = 1; i <= cell[0]; i++) {
         const uint32_t r = cell[i];
         if (r < d->triangle_count ? try_triangle(d, r, q, index, weight)
-                                  : try_edge(d, r - d->triangle_count, q, index, weight))
+                                  : try_edge(d, r - d->triangle_count, q, index, weight)) {
             return r;
+        }
     }
     answer(index, weight, 0, 4096, 0, 0, 0);
     return UINT32_MAX;
@@ -292,11 +310,13 @@ btfi_neighbours btfi_neighbours_of(const btfi_directions *d, const float directi
     uint32_t index[3], weight[3], best = 0;
     btfi_neighbours n = {0};
     btfi_lookup(d, direction, index, weight);
-    for (uint32_t k = 1; k < 3; k++)
+    for (uint32_t k = 1; k < 3; k++) {
         best = weight[k] > weight[best] ? k : best;
+    }
     for (uint32_t k = 0; k < 3; k++) {
-        if (nearest ? k != best : weight[k] == 0)
+        if (nearest ? k != best : weight[k] == 0) {
             continue;
+        }
         n.index[n.count] = index[k];
         n.weight[n.count++] = nearest ? 4096 : weight[k];
     }

@@ -44,8 +44,9 @@ static void restrict_relief(btf_material_info *small, uint32_t level) {
         small->relief_base = small->relief_step = 0;
         small->relief_steps = small->relief_level = small->relief_end = 0;
     }
-    if (!(small->effects & BTF_EFFECT_GLOSS))
+    if (!(small->effects & BTF_EFFECT_GLOSS)) {
         small->gloss_share = 0;
+    }
 }
 
 btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t effects, uint32_t components,
@@ -54,8 +55,9 @@ btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t e
     small.n_views = views;
     small.n_lights = lights;
     effects &= info->effects;
-    if (btfi_relief_has_ended(info, level))
+    if (btfi_relief_has_ended(info, level)) {
         effects &= ~(uint32_t)BTF_EFFECT_RELIEF;
+    }
     if (info->colour == BTF_COLOUR_NONE) {
         effects &= ~(uint32_t)BTF_EFFECT_SHADOW;
         /* A material needs a model: one component is the cheapest. */
@@ -66,8 +68,9 @@ btf_material_info btfi_restricted_info(const btf_material_info *info, uint32_t e
     }
     /* A hidden point that is not decoded as one has the gain 1, which no code may say. */
     if ((info->effects & BTF_EFFECT_HIDDEN) && (effects & BTF_EFFECT_GAIN) &&
-        info->gain_scale != BTF_GAIN_SCALE)
+        info->gain_scale != BTF_GAIN_SCALE) {
         effects |= BTF_EFFECT_HIDDEN;
+    }
     restrict_points(info, &small, &effects);
     small.layout = BTF_LAYOUT_TIGHT;
     small.atlas_width = small.atlas_height = 0;
@@ -110,9 +113,11 @@ static bool same_directions(const btfi_directions *a, const btfi_directions *b) 
 
 static int compare_triangles(const void *a, const void *b) {
     const uint16_t *p = a, *q = b;
-    for (int k = 0; k < 2; k++)
-        if (p[k] != q[k])
+    for (int k = 0; k < 2; k++) {
+        if (p[k] != q[k]) {
             return p[k] - q[k];
+        }
+    }
     return p[2] - q[2];
 }
 
@@ -123,10 +128,12 @@ static bool has_triangle(const btfi_directions *d, const uint16_t corner[3]) {
 }
 
 static bool has_edge(const btfi_directions *d, const uint16_t corner[3], bool with_next) {
-    for (uint32_t h = 0; h < d->hull_count; h++)
+    for (uint32_t h = 0; h < d->hull_count; h++) {
         if (d->hull[h] == corner[0] && d->hull[(h + 1) % d->hull_count] == corner[1] &&
-            (!with_next || d->hull[(h + 2) % d->hull_count] == corner[2]))
+            (!with_next || d->hull[(h + 2) % d->hull_count] == corner[2])) {
             return true;
+        }
+    }
     return false;
 }
 
@@ -134,20 +141,25 @@ static bool has_edge(const btfi_directions *d, const uint16_t corner[3], bool wi
 static bool has_records(const btfi_directions *whole, const btfi_reach *reach, const subset *kept,
                         const btfi_directions *small) {
     uint16_t now[BTF_MAX_DIRECTIONS] = {0}, corner[3];
-    for (uint32_t i = 0; i < kept->count; i++)
+    for (uint32_t i = 0; i < kept->count; i++) {
         now[kept->number[i]] = (uint16_t)i;
+    }
     for (uint32_t t = 0; t < whole->triangle_count; t++) {
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; k++) {
             corner[k] = now[whole->triangles[3 * (size_t)t + (size_t)k]];
-        if (reach->record[t] && !has_triangle(small, corner))
+        }
+        if (reach->record[t] && !has_triangle(small, corner)) {
             return false;
+        }
     }
     for (uint32_t h = 0; h < whole->hull_count; h++) {
         const uint8_t needed = reach->record[whole->triangle_count + h];
-        for (uint32_t k = 0; k < 3; k++)
+        for (uint32_t k = 0; k < 3; k++) {
             corner[k] = now[whole->hull[(h + k) % whole->hull_count]];
-        if (needed && kept->count > 1 && !has_edge(small, corner, (needed & BTFI_REACH_CORNER) != 0))
+        }
+        if (needed && kept->count > 1 && !has_edge(small, corner, (needed & BTFI_REACH_CORNER) != 0)) {
             return false;
+        }
     }
     return true;
 }
@@ -158,18 +170,20 @@ static bool same_answer(const btfi_directions *whole, const subset *kept, const 
     const btfi_neighbours a = btfi_neighbours_of(whole, direction, false),
                           b = btfi_neighbours_of(small, direction, false);
     bool same = a.count == b.count;
-    for (uint32_t i = 0; same && i < a.count; i++)
+    for (uint32_t i = 0; same && i < a.count; i++) {
         same = a.index[i] == kept->number[b.index[i]] && a.weight[i] == b.weight[i];
+    }
     return same;
 }
 
 static void select_directions(const btfi_directions *whole, const bool *keep, subset *out) {
     out->count = 0;
-    for (uint32_t i = 0; i < whole->count; i++)
+    for (uint32_t i = 0; i < whole->count; i++) {
         if (!keep || keep[i]) {
             memcpy(out->xyz[out->count], whole->xyz + 3 * (size_t)i, sizeof out->xyz[0]);
             out->number[out->count++] = (uint16_t)i;
         }
+    }
 }
 
 /* Chooses the directions that the range needs; all where the triangulation of fewer would give other
@@ -181,15 +195,18 @@ static btf_result choose_directions(const btfi_directions *whole, const btf_rang
     btfi_directions again = {0}, small = {0};
     btfi_reach_range(whole, range, &reach);
     select_directions(whole, reach.keep, out);
-    if (out->count == whole->count)
+    if (out->count == whole->count) {
         return BTF_OK;
+    }
     btf_result result = btfi_directions_build(&check, "directions", whole->count, whole->xyz, &again);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btfi_directions_build(&check, "directions", out->count, out->xyz[0], &small);
+    }
     if (result == BTF_OK && (!same_directions(whole, &again) ||
                              (range->fixed ? !same_answer(whole, out, &small, range->direction)
-                                           : !has_records(whole, &reach, out, &small))))
+                                           : !has_records(whole, &reach, out, &small)))) {
         select_directions(whole, NULL, out);
+    }
     btfi_directions_clear(&again);
     btfi_directions_clear(&small);
     return result;
@@ -198,7 +215,7 @@ static btf_result choose_directions(const btfi_directions *whole, const btf_rang
 /* A restriction in the making: its source, its plan and its result. */
 typedef struct work {
     const btf_material *whole;
-    uint32_t level; /* of the whole that becomes level 0 */
+    uint32_t level;   /* of the whole that becomes level 0 */
     bool shift, gain; /* the plan has that effect */
     btf_material_desc desc;
     subset views, lights;
@@ -234,8 +251,9 @@ static uint8_t point_index(const uint8_t *indices, size_t view, size_t t, size_t
 
 /* The two bytes of a view's packed point, in a list or not. */
 static const uint8_t *packed_point(const work *w, uint32_t level, size_t view, size_t t, size_t texels) {
-    if (w->whole->info.point_store == BTF_POINTS_PACKED)
+    if (w->whole->info.point_store == BTF_POINTS_PACKED) {
         return (const uint8_t *)whole_data(w, level, BTF_TEXTURE_POINTS) + 2 * (view * texels + t);
+    }
     const size_t entry = point_index(whole_data(w, level, BTF_TEXTURE_POINT_INDICES), view, t, texels);
     return (const uint8_t *)whole_data(w, level, BTF_TEXTURE_POINT_LISTS) + 2 * (entry * texels + t);
 }
@@ -249,23 +267,28 @@ static void copy_point(const work *w, const uint8_t *from, uint8_t *to) {
 }
 
 static void fill_points(const work *w, uint32_t level, size_t texels, uint8_t *out) {
-    for (uint32_t v = 0; v < w->views.count; v++)
-        for (size_t t = 0; t < texels; t++, out += 2)
+    for (uint32_t v = 0; v < w->views.count; v++) {
+        for (size_t t = 0; t < texels; t++, out += 2) {
             copy_point(w, packed_point(w, level, w->views.number[v], t, texels), out);
+        }
+    }
 }
 
 static void fill_point_lists(const work *w, uint32_t level, const btf_texture *shape, uint8_t *out) {
     const uint8_t *in = whole_data(w, level, BTF_TEXTURE_POINT_LISTS);
-    for (size_t i = 0; i < shape->size; i += 2)
+    for (size_t i = 0; i < shape->size; i += 2) {
         copy_point(w, in + i, out + i);
+    }
 }
 
 static void fill_point_indices(const work *w, uint32_t level, size_t texels, uint8_t *out) {
     const uint8_t *in = whole_data(w, level, BTF_TEXTURE_POINT_INDICES);
-    for (size_t v = 0; v < w->views.count; v++)
-        for (size_t t = 0; t < texels; t++)
+    for (size_t v = 0; v < w->views.count; v++) {
+        for (size_t t = 0; t < texels; t++) {
             out[v / 2 * texels + t] |=
                 (uint8_t)(point_index(in, w->views.number[v], t, texels) << 4 * (v % 2));
+        }
+    }
 }
 
 /* Gain code and shift bytes as stored: (128, 0, 0) where they are not. */
@@ -283,8 +306,9 @@ static void read_codes(const work *w, uint32_t level, uint32_t view, size_t t, s
     const uint8_t *gain = tight && code ? whole_data(w, level, BTF_TEXTURE_GAIN) : NULL;
     const uint8_t *shift = tight && bytes ? whole_data(w, level, BTF_TEXTURE_SHIFT) : NULL;
     out[0] = !code ? BTF_GAIN_ONE : tight ? gain[at] : atlas_byte(w->whole, view, t, 1);
-    for (size_t k = 0; k < 2; k++)
+    for (size_t k = 0; k < 2; k++) {
         out[1 + k] = !bytes ? 0 : tight ? shift[2 * at + k] : atlas_byte(w->whole, view, t, 2 + k);
+    }
 }
 
 /* Turns codes as read into those that the restriction stores. */
@@ -297,32 +321,39 @@ static void translate_codes(const work *w, uint8_t codes[3]) {
         codes[2] = (uint8_t)(centre >> 8);
         return;
     }
-    if (hidden || !(effects & BTF_EFFECT_GAIN))
+    if (hidden || !(effects & BTF_EFFECT_GAIN)) {
         codes[0] = BTF_GAIN_ONE;
-    if (hidden || !(effects & BTF_EFFECT_SHIFT))
+    }
+    if (hidden || !(effects & BTF_EFFECT_SHIFT)) {
         codes[1] = codes[2] = 0;
+    }
 }
 
 /* Numbers the centres that kept views show, in their order; at least one is kept. */
 static void number_centres(work *w) {
     const btf_material_info *info = &w->whole->info;
-    for (uint32_t i = 0; i < info->centres; i++)
+    for (uint32_t i = 0; i < info->centres; i++) {
         w->centre[i] = UINT32_MAX;
+    }
     for (uint32_t level = 0; level < w->desc.info.levels; level++) {
         const size_t texels =
             (size_t)btf_level_size(w->desc.info.width, level) * btf_level_size(w->desc.info.height, level);
-        for (uint32_t v = 0; v < w->views.count; v++)
+        for (uint32_t v = 0; v < w->views.count; v++) {
             for (size_t t = 0; t < texels; t++) {
                 uint8_t codes[3];
                 read_codes(w, level, w->views.number[v], t, texels, codes);
-                if (codes[0] == 0)
+                if (codes[0] == 0) {
                     w->centre[codes[1] + 256u * codes[2]] = 0;
+                }
             }
+        }
     }
     w->desc.info.centres = 0;
-    for (uint32_t i = 0; i < info->centres; i++)
-        if (w->centre[i] == 0)
+    for (uint32_t i = 0; i < info->centres; i++) {
+        if (w->centre[i] == 0) {
             w->centre[i] = w->desc.info.centres++;
+        }
+    }
     if (w->desc.info.centres == 0) {
         w->centre[0] = 0;
         w->desc.info.centres = 1;
@@ -332,15 +363,17 @@ static void number_centres(work *w) {
 static void fill_shadow(const work *w, uint32_t level, size_t texels, uint8_t *out) {
     const bool tight = w->whole->info.layout == BTF_LAYOUT_TIGHT;
     const uint8_t *in = tight ? whole_data(w, level, BTF_TEXTURE_SHADOW) : NULL;
-    for (uint32_t l = 0; l < w->lights.count; l++)
-        for (size_t t = 0; t < texels; t++)
+    for (uint32_t l = 0; l < w->lights.count; l++) {
+        for (size_t t = 0; t < texels; t++) {
             *out++ = tight ? in[w->lights.number[l] * texels + t]
                            : atlas_byte(w->whole, w->lights.number[l], t, 0);
+        }
+    }
 }
 
 /* Shift bytes (two a point) or gain codes (one). */
 static void fill_codes(const work *w, uint32_t level, size_t texels, bool shift, uint8_t *out) {
-    for (uint32_t v = 0; v < w->views.count; v++)
+    for (uint32_t v = 0; v < w->views.count; v++) {
         for (size_t t = 0; t < texels; t++) {
             uint8_t codes[3];
             read_codes(w, level, w->views.number[v], t, texels, codes);
@@ -352,6 +385,7 @@ static void fill_codes(const work *w, uint32_t level, size_t texels, bool shift,
                 *out++ = codes[0];
             }
         }
+    }
 }
 
 static void fill_centres(const work *w, const btf_texture *shape, uint8_t *out) {
@@ -359,8 +393,9 @@ static void fill_centres(const work *w, const btf_texture *shape, uint8_t *out) 
     const btf_texture centres = btf_material_texture(
         w->whole, info->layout == BTF_LAYOUT_TIGHT ? BTF_TEXTURE_CENTRES : BTF_TEXTURE_MAPS);
     for (uint32_t c = 0; c < info->centres; c++) {
-        if (w->centre[c] == UINT32_MAX)
+        if (w->centre[c] == UINT32_MAX) {
             continue;
+        }
         const size_t row = w->centre[c] % shape->height, block = w->centre[c] / shape->height;
         for (uint32_t i = 0; i < w->lights.count; i++) {
             const uint32_t l = w->lights.number[i];
@@ -377,8 +412,9 @@ static void fill_centres(const work *w, const btf_texture *shape, uint8_t *out) 
 
 /* Texel components or direction components: `pairs` of four bytes, of which component `first` on stay 0. */
 static void copy_quads(const int8_t *in, size_t pairs, uint32_t count, int8_t *out) {
-    for (size_t i = 0; i < pairs; i++)
+    for (size_t i = 0; i < pairs; i++) {
         memcpy(out + 4 * i, in + 4 * i, count < 4 ? count : 4);
+    }
 }
 
 static void fill_residual(const work *w, uint32_t level, btf_texture_id id, const btf_texture *shape,
@@ -392,8 +428,8 @@ static void fill_residual(const work *w, uint32_t level, btf_texture_id id, cons
             copy_quads(in + 4 * g * plane, plane, k - 4 * g, (int8_t *)out + 4 * g * plane);
             continue;
         }
-        for (size_t layer = 3 * (size_t)g; layer < 3 * (size_t)g + 3; layer++)
-            for (uint32_t v = 0; v < w->views.count; v++)
+        for (size_t layer = 3 * (size_t)g; layer < 3 * (size_t)g + 3; layer++) {
+            for (uint32_t v = 0; v < w->views.count; v++) {
                 for (uint32_t l = 0; l < w->lights.count; l++) {
                     const btf_material_info *info = &w->whole->info;
                     const size_t from =
@@ -401,6 +437,8 @@ static void fill_residual(const work *w, uint32_t level, btf_texture_id id, cons
                     const size_t to = (layer * w->views.count + v) * w->lights.count + l;
                     copy_quads(in + 4 * from, 1, k - 4 * g, (int8_t *)out + 4 * to);
                 }
+            }
+        }
     }
 }
 
@@ -408,8 +446,8 @@ static void fill_residual(const work *w, uint32_t level, btf_texture_id id, cons
 static void fill_factors(const work *w, btf_texture_id id, const btf_texture *shape, uint8_t *out) {
     const btf_texture whole = btf_material_texture(w->whole, id);
     const bool views = id == BTF_TEXTURE_FACTOR_VIEWS;
-    for (size_t layer = 0; layer < shape->layers; layer++)
-        for (uint32_t v = 0; v < w->views.count; v++)
+    for (size_t layer = 0; layer < shape->layers; layer++) {
+        for (uint32_t v = 0; v < w->views.count; v++) {
             for (uint32_t x = 0; x < shape->width; x++, out += 16) {
                 const uint32_t from = views ? x : w->lights.number[x];
                 memcpy(out,
@@ -417,6 +455,8 @@ static void fill_factors(const work *w, btf_texture_id id, const btf_texture *sh
                            16 * ((layer * whole.height + w->views.number[v]) * whole.width + from),
                        16);
             }
+        }
+    }
 }
 
 static void fill(const work *w, uint32_t level, btf_texture_id id, const btf_texture *shape, void *out) {
@@ -469,28 +509,33 @@ static void fill(const work *w, uint32_t level, btf_texture_id id, const btf_tex
 }
 
 static btf_result make_textures(work *w, const btf_log *log) {
-    for (uint32_t level = 0; level < w->desc.info.levels; level++)
+    for (uint32_t level = 0; level < w->desc.info.levels; level++) {
         for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
             const btf_texture shape = btf_material_level_shape(&w->desc.info, level, (btf_texture_id)id);
-            if (shape.format == BTF_FORMAT_NONE)
+            if (shape.format == BTF_FORMAT_NONE) {
                 continue;
+            }
             void *data = calloc(1, shape.size);
-            if (!data)
+            if (!data) {
                 return btfi_fail(log, BTF_ERROR_MEMORY, "%s: out of memory for %zu bytes",
                                  btf_texture_name((btf_texture_id)id), shape.size);
+            }
             fill(w, level, (btf_texture_id)id, &shape, data);
             w->made[level][id] = data;
             *(level ? &w->desc.level_texture[level][id] : &w->desc.texture[id]) = data;
         }
+    }
     return BTF_OK;
 }
 
 static btf_result copy_array(const void *from, size_t size, void **out) {
     *out = size ? malloc(size) : NULL;
-    if (size && !*out)
+    if (size && !*out) {
         return BTF_ERROR_MEMORY;
-    if (size)
+    }
+    if (size) {
         memcpy(*out, from, size);
+    }
     return BTF_OK;
 }
 
@@ -511,26 +556,32 @@ static btf_result copy_directions(const btfi_directions *from, const btf_log *lo
         copy_array(from->hull, from->hull_count * sizeof *from->hull, (void **)&to->hull) ||
         copy_array(from->cells, from->cells_length * sizeof *from->cells, (void **)&to->cells) ||
         copy_array(from->table, (size_t)from->table_height * BTFI_TABLE_WIDTH * 4 * sizeof *from->table,
-                   (void **)&to->table))
+                   (void **)&to->table)) {
         return btfi_fail(log, BTF_ERROR_MEMORY, "out of memory for directions");
+    }
     return BTF_OK;
 }
 
 static btf_result make(work *w, const btf_log *log, btf_material **out_material) {
     btf_result result = make_textures(w, log);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_material_create(&w->desc, log, out_material);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         return result;
+    }
     btf_material *m = *out_material;
-    if (w->views.count == w->whole->views.count)
+    if (w->views.count == w->whole->views.count) {
         result = copy_directions(&w->whole->views, log, &m->views);
-    if (result == BTF_OK && w->lights.count == w->whole->lights.count)
+    }
+    if (result == BTF_OK && w->lights.count == w->whole->lights.count) {
         result = copy_directions(&w->whole->lights, log, &m->lights);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         btfi_material_finish(m);
-    else
+    } else {
         btf_material_close(out_material);
+    }
     return result;
 }
 
@@ -538,44 +589,53 @@ btf_result btf_material_restrict(const btf_material *material, const btf_plan *p
                                  btf_material **out_material) {
     *out_material = NULL;
     if (plan->struct_size != sizeof *plan || !btfi_range_is_legal(&plan->scene.view) ||
-        !btfi_range_is_legal(&plan->scene.light) || plan->level >= material->info.levels)
+        !btfi_range_is_legal(&plan->scene.light) || plan->level >= material->info.levels) {
         return btfi_fail(log, BTF_ERROR_USAGE, "restrict: the plan is none, or not of this material");
+    }
     work *w = calloc(1, sizeof *w);
-    if (!w)
+    if (!w) {
         return btfi_fail(log, BTF_ERROR_MEMORY, "restrict: out of memory");
+    }
     w->whole = material;
     w->level = plan->level;
     w->shift = plan->effects & BTF_EFFECT_SHIFT;
     w->gain = plan->effects & BTF_EFFECT_GAIN;
     w->desc.struct_size = sizeof w->desc;
     btf_result result = choose_directions(&material->views, &plan->scene.view, log, &w->views);
-    if (result == BTF_OK && plan->effects & material->info.effects & BTF_EFFECT_GLOSS)
+    if (result == BTF_OK && plan->effects & material->info.effects & BTF_EFFECT_GLOSS) {
         select_directions(&material->lights, NULL, &w->lights); /* a neighbour's light may be any */
-    else if (result == BTF_OK)
+    } else if (result == BTF_OK) {
         result = choose_directions(&material->lights, &plan->scene.light, log, &w->lights);
+    }
     w->desc.info = btfi_restricted_info(&material->info, plan->effects, plan->components, plan->level,
                                         w->views.count, w->lights.count);
     if (w->desc.info.effects & BTF_EFFECT_RELIEF) {
-        for (uint32_t v = 0; v < w->views.count; v++)
+        for (uint32_t v = 0; v < w->views.count; v++) {
             w->acts[v] = material->view_vectors[4 * (size_t)w->views.number[v] + 3] != 0;
+        }
         w->desc.relief_views = w->acts;
     }
     w->desc.views = w->views.xyz[0];
     w->desc.lights = w->lights.xyz[0];
-    if (plan->level == 0 && btfi_version(&w->desc.info) >= 2) /* of a coarser level it has not the size */
+    if (plan->level == 0 && btfi_version(&w->desc.info) >= 2) { /* of a coarser level it has not the size */
         w->desc.preview = material->preview;
+    }
     if (result == BTF_OK && w->desc.info.centres > 0) {
         w->centre = malloc(material->info.centres * sizeof *w->centre);
-        if (w->centre)
+        if (w->centre) {
             number_centres(w);
-        else
+        } else {
             result = btfi_fail(log, BTF_ERROR_MEMORY, "restrict: out of memory");
+        }
     }
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = make(w, log, out_material);
-    for (int level = 0; level < BTF_MAX_LEVELS; level++)
-        for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+    }
+    for (int level = 0; level < BTF_MAX_LEVELS; level++) {
+        for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
             free(w->made[level][id]);
+        }
+    }
     free(w->centre);
     free(w);
     return result;
@@ -587,8 +647,9 @@ btf_result btf_material_to_tight(const btf_material *material, const btf_log *lo
     btf_material_info info = {.struct_size = sizeof info};
     *out_material = NULL;
     const btf_result result = btf_material_get_info(material, &info);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     const btf_plan everything = {.struct_size = sizeof everything,
                                  .scene = {.struct_size = sizeof everything.scene},
                                  .effects = info.effects,

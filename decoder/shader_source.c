@@ -23,8 +23,9 @@ typedef struct text {
 } text;
 
 static void text_append(text *t, const char *data, size_t length) {
-    if (t->failed)
+    if (t->failed) {
         return;
+    }
     if (length >= t->capacity - t->length) {
         size_t capacity = 2 * (t->length + length) + 256;
         char *grown = realloc(t->data, capacity);
@@ -47,10 +48,11 @@ static void text_print(text *t, const char *format, ...) {
     va_start(arguments, format);
     int length = vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
-    if (length < 0 || (size_t)length >= sizeof line)
+    if (length < 0 || (size_t)length >= sizeof line) {
         t->failed = 1;
-    else
+    } else {
         text_append(t, line, (size_t)length);
+    }
 }
 
 /* A float as a constant expression that no compiler rounds. */
@@ -70,8 +72,9 @@ static void define_int(text *t, const char *name, int32_t value) {
 }
 
 static void fail(const btf_log *log, const char *message) {
-    if (log && log->callback)
+    if (log && log->callback) {
         log->callback(log->user, BTF_LOG_ERROR, message);
+    }
 }
 
 /* The options as given, or the defaults. */
@@ -81,10 +84,12 @@ static btf_shader_options read_options(const btf_shader_options *options) {
         size_t size = options->struct_size < sizeof all ? options->struct_size : sizeof all;
         memcpy(&all, options, size);
     }
-    if (!all.prefix)
+    if (!all.prefix) {
         all.prefix = "btf";
-    if (all.fold != BTF_FOLD_NONE) /* there are no neighbours to look up */
+    }
+    if (all.fold != BTF_FOLD_NONE) { /* there are no neighbours to look up */
         all.fixed &= all.fold == BTF_FOLD_BOTH ? 0u : (uint32_t)BTF_FIXED_VIEW;
+    }
     return all;
 }
 
@@ -102,8 +107,9 @@ static variant choose(const btf_material_info *info, const btf_shader_options *o
     v.effects = info->effects & ~options->leave_out;
     if (v.effects & BTF_EFFECT_RESIDUAL) {
         v.components = info->components;
-        if (options->components && options->components < v.components)
+        if (options->components && options->components < v.components) {
             v.components = options->components;
+        }
     }
     v.effects &= ~(uint32_t)BTF_EFFECT_RESIDUAL;
     v.code_zero = (info->effects & BTF_EFFECT_HIDDEN) != 0;
@@ -120,52 +126,64 @@ uint32_t btf_shader_textures(const btf_material_info *whole, const btf_shader_op
     const int light_known = all.fold != BTF_FOLD_NONE || (all.fixed & BTF_FIXED_LIGHT && !v.gloss);
     uint32_t textures = view_known ? 0 : 1u << BTF_TEXTURE_VIEW_TABLE;
     textures |= light_known ? 0 : 1u << BTF_TEXTURE_LIGHT_TABLE;
-    if (v.relief == 2)
+    if (v.relief == 2) {
         textures |= 1u << BTF_TEXTURE_HEIGHTS;
-    if (v.relief || v.gloss)
+    }
+    if (v.relief || v.gloss) {
         textures |= 1u << BTF_TEXTURE_VIEW_VECTORS;
+    }
     int shadow = (v.effects & BTF_EFFECT_SHADOW) && info->colour != BTF_COLOUR_NONE;
     int shift = (v.effects & BTF_EFFECT_SHIFT) != 0, hidden = (v.effects & BTF_EFFECT_HIDDEN) != 0;
     int gain = (v.effects & BTF_EFFECT_GAIN) != 0;
-    if (info->colour != BTF_COLOUR_NONE)
+    if (info->colour != BTF_COLOUR_NONE) {
         textures |= 1u << BTF_TEXTURE_SBRDF;
+    }
     if (info->layout == BTF_LAYOUT_PAPER) {
-        if (shadow || shift || hidden || gain)
+        if (shadow || shift || hidden || gain) {
             textures |= 1u << BTF_TEXTURE_MAPS;
+        }
     } else {
-        if (shadow)
+        if (shadow) {
             textures |= 1u << BTF_TEXTURE_SHADOW;
+        }
         const int packed = btfi_shares_points(info);
-        if (packed && (shift || gain))
+        if (packed && (shift || gain)) {
             textures |= info->point_store == BTF_POINTS_LISTS
                             ? 1u << BTF_TEXTURE_POINT_LISTS | 1u << BTF_TEXTURE_POINT_INDICES
                             : 1u << BTF_TEXTURE_POINTS;
-        if (!packed && (shift || hidden))
+        }
+        if (!packed && (shift || hidden)) {
             textures |= 1u << BTF_TEXTURE_SHIFT;
-        if (!packed && (gain || hidden || (shift && v.code_zero)))
+        }
+        if (!packed && (gain || hidden || (shift && v.code_zero))) {
             textures |= 1u << BTF_TEXTURE_GAIN;
-        if (hidden)
+        }
+        if (hidden) {
             textures |= 1u << BTF_TEXTURE_CENTRES;
+        }
     }
-    if (v.components > 0 && info->store == BTF_STORE_FACTORS)
+    if (v.components > 0 && info->store == BTF_STORE_FACTORS) {
         textures |= 1u << BTF_TEXTURE_FACTOR_TEXELS | 1u << BTF_TEXTURE_FACTOR_DIRECTIONS |
                     1u << BTF_TEXTURE_FACTOR_SCALES | 1u << BTF_TEXTURE_FACTOR_VIEWS;
-    else if (v.components > 0)
+    } else if (v.components > 0) {
         textures |= 1u << BTF_TEXTURE_RESIDUAL_TEXELS | 1u << BTF_TEXTURE_RESIDUAL_DIRECTIONS |
                     1u << BTF_TEXTURE_RESIDUAL_SCALES;
+    }
     return textures;
 }
 
 /* Lower-case letters, digits and single inner underscores, first a letter. */
 static int prefix_is_legal(const char *prefix) {
     size_t length = strlen(prefix);
-    if (length < 1 || length > MAX_PREFIX || prefix[length - 1] == '_')
+    if (length < 1 || length > MAX_PREFIX || prefix[length - 1] == '_') {
         return 0;
+    }
     for (size_t i = 0; i < length; ++i) {
         char c = prefix[i];
         int letter = c >= 'a' && c <= 'z', digit = c >= '0' && c <= '9';
-        if (!letter && (i == 0 || (!digit && (c != '_' || prefix[i - 1] == '_'))))
+        if (!letter && (i == 0 || (!digit && (c != '_' || prefix[i - 1] == '_')))) {
             return 0;
+        }
     }
     return strcmp(prefix, "gl") != 0 && strncmp(prefix, "gl_", 3) != 0;
 }
@@ -177,15 +195,18 @@ static int is_word(char c) {
 /* Appends a text in which names that begin with btf_ and BTF_ begin with the prefix instead. */
 static void append_prefixed(text *t, const char *source, const char *prefix) {
     char upper[MAX_PREFIX + 1] = {0};
-    for (size_t i = 0; prefix[i]; ++i)
+    for (size_t i = 0; prefix[i]; ++i) {
         upper[i] = prefix[i] >= 'a' && prefix[i] <= 'z' ? (char)(prefix[i] - 'a' + 'A') : prefix[i];
+    }
     const char *begin = source;
     for (const char *p = source; *p; ++p) {
-        if (p != source && is_word(p[-1]))
+        if (p != source && is_word(p[-1])) {
             continue;
+        }
         int lower = strncmp(p, "btf_", 4) == 0;
-        if (!lower && strncmp(p, "BTF_", 4) != 0)
+        if (!lower && strncmp(p, "BTF_", 4) != 0) {
             continue;
+        }
         text_append(t, begin, (size_t)(p - begin));
         text_append(t, lower ? prefix : upper, strlen(prefix));
         begin = p + 3;
@@ -205,12 +226,15 @@ static void define_fixed(text *t, const char *name, const btfi_directions *direc
 }
 
 /* Where a fold keeps a fixed view's neighbours, which define_fixed has in another order: those of weight 0 last. */
-static void define_fixed_layers(text *t, const btfi_directions *directions, const float direction[3], int nearest) {
+static void define_fixed_layers(text *t, const btfi_directions *directions, const float direction[3],
+                                int nearest) {
     uint32_t index[3], weight[3], layer[3] = {0, 0, 0}, count = 0;
     btfi_lookup(directions, direction, index, weight);
-    for (uint32_t k = 0; k < 3; ++k)
-        if (weight[k] > 0 && !nearest)
+    for (uint32_t k = 0; k < 3; ++k) {
+        if (weight[k] > 0 && !nearest) {
             layer[count++] = k;
+        }
+    }
     text_print(t, "#define BTF_FIXED_VIEW_LAYER uvec3(%uu, %uu, %uu)\n", layer[0], layer[1], layer[2]);
 }
 
@@ -243,43 +267,55 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
     text_print(t, "#define BTF_GAIN %d\n", (v.effects & BTF_EFFECT_GAIN) != 0);
     text_print(t, "#define BTF_COMPONENTS %u\n", v.components);
     text_print(t, "#define BTF_CODE_ZERO %d\n", v.code_zero);
-    if (info->blend == BTF_BLEND_ROOTS)
+    if (info->blend == BTF_BLEND_ROOTS) {
         text_print(t, "#define BTF_BLEND_ROOTS 1\n");
+    }
     if (v.components > 0 && info->store == BTF_STORE_FACTORS) {
         text_print(t, "#define BTF_FACTORS 1\n");
         define_classes(t, info, v.components);
     }
-    if (btfi_shares_points(info)) /* 1 packed points, 2 lists of them */
+    if (btfi_shares_points(info)) { /* 1 packed points, 2 lists of them */
         text_print(t, "#define BTF_POINTS %d\n", (int)info->point_store);
-    if (v.relief)
+    }
+    if (v.relief) {
         text_print(t, "#define BTF_RELIEF %d\n", v.relief);
-    if (v.gloss)
+    }
+    if (v.gloss) {
         text_print(t, "#define BTF_GLOSS %u\n", v.gloss);
-    if (options->fold)
+    }
+    if (options->fold) {
         text_print(t, "#define BTF_FOLDED %d\n", (int)options->fold);
+    }
     text_print(t, "#define BTF_NEAREST %d\n", options->interpolation == BTF_INTERPOLATION_NEAREST);
     text_print(t, "#define BTF_BILINEAR %d\n", options->filter != BTF_FILTER_TEXEL);
-    if (options->filter == BTF_FILTER_STEEP)
+    if (options->filter == BTF_FILTER_STEEP) {
         text_print(t, "#define BTF_STEEP 1\n");
+    }
     text_print(t, "#define BTF_FAST_MATH %d\n", options->math == BTF_MATH_FAST);
-    if (options->have_precise)
+    if (options->have_precise) {
         text_print(t, "#define BTF_HAVE_PRECISE 1\n");
-    if (options->picks != BTF_PICK_NONE)
+    }
+    if (options->picks != BTF_PICK_NONE) {
         text_print(t, "#define BTF_STOCHASTIC %d\n", (int)options->picks);
+    }
     int nearest = options->interpolation == BTF_INTERPOLATION_NEAREST;
-    if (options->fixed & BTF_FIXED_VIEW)
+    if (options->fixed & BTF_FIXED_VIEW) {
         define_fixed(t, "VIEW", &material->views, options->fixed_view, nearest);
-    if (options->fixed & BTF_FIXED_VIEW && options->fold == BTF_FOLD_NEIGHBOURS)
+    }
+    if (options->fixed & BTF_FIXED_VIEW && options->fold == BTF_FOLD_NEIGHBOURS) {
         define_fixed_layers(t, &material->views, options->fixed_view, nearest);
-    if (options->fixed & BTF_FIXED_LIGHT && !v.gloss) /* with gloss each view has lights of its own */
+    }
+    if (options->fixed & BTF_FIXED_LIGHT && !v.gloss) { /* with gloss each view has lights of its own */
         define_fixed(t, "LIGHT", &material->lights, options->fixed_light, nearest);
+    }
 
     define_uint(t, "BTF_WIDTH", info->width);
     define_uint(t, "BTF_HEIGHT", info->height);
     define_uint(t, "BTF_LEVELS", info->levels);
     define_uint(t, "BTF_N_LIGHTS", info->n_lights);
-    if (options->fold)
+    if (options->fold) {
         define_uint(t, "BTF_N_VIEWS", info->n_views);
+    }
     define_uint(t, "BTF_VIEW_GRID", btf_material_views(material).grid);
     define_uint(t, "BTF_LIGHT_GRID", btf_material_lights(material).grid);
     if (info->layout == BTF_LAYOUT_PAPER) {
@@ -293,8 +329,9 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
     define_float(t, "BTF_SHADOW_SCALE", info->shadow_scale * 0x1p-12f);
     define_float(t, "BTF_GAIN_SCALE", info->gain_scale);
     define_float(t, "BTF_CENTRE_SCALE", info->centre_scale * 0x1p-12f);
-    if (v.components > 0 && info->store == BTF_STORE_FACTORS)
+    if (v.components > 0 && info->store == BTF_STORE_FACTORS) {
         define_float(t, "BTF_HORIZON_SCALE", info->horizon_scale);
+    }
     if (btfi_shares_points(info)) {
         define_float(t, "BTF_GAIN_BASE", info->gain_base);
         define_float(t, "BTF_GAIN_STEP", info->gain_step);
@@ -304,30 +341,36 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
         define_int(t, "BTF_RELIEF_STEP", info->relief_step);
         define_int(t, "BTF_RELIEF_STEPS", (int32_t)info->relief_steps);
         define_int(t, "BTF_RELIEF_LEVEL", (int32_t)info->relief_level);
-        if (info->relief_end < info->levels)
+        if (info->relief_end < info->levels) {
             define_int(t, "BTF_RELIEF_END", (int32_t)info->relief_end);
+        }
     }
 }
 
 /* The samplers' layout qualifiers; literals, since ESSL 310 takes no expression there. */
 static void write_bindings(text *t, const btf_shader_options *options) {
-    if (options->bindings == BTF_BINDINGS_NONE)
+    if (options->bindings == BTF_BINDINGS_NONE) {
         return;
+    }
     for (uint32_t i = 0; i < BTF_TEXTURE_COUNT; ++i) {
         char name[40] = {0};
         const char *lower = btf_texture_name((btf_texture_id)i);
-        for (size_t c = 0; lower[c] && c + 1 < sizeof name; ++c)
+        for (size_t c = 0; lower[c] && c + 1 < sizeof name; ++c) {
             name[c] = lower[c] >= 'a' && lower[c] <= 'z' ? (char)(lower[c] - 'a' + 'A') : lower[c];
+        }
         text_print(t, "#define BTF_BINDING_%s %u\n", name, options->first_binding + i);
     }
     static const char *const more[] = {"FOLDED", "SAMPLING_TRIANGLES", "SAMPLING_DENSITIES"};
-    for (uint32_t i = 0; i < sizeof more / sizeof *more; ++i)
-        text_print(t, "#define BTF_BINDING_%s %u\n", more[i], options->first_binding + BTF_TEXTURE_COUNT + i);
-    if (options->bindings == BTF_BINDINGS_VULKAN)
+    for (uint32_t i = 0; i < sizeof more / sizeof *more; ++i) {
+        text_print(t, "#define BTF_BINDING_%s %u\n", more[i],
+                   options->first_binding + BTF_TEXTURE_COUNT + i);
+    }
+    if (options->bindings == BTF_BINDINGS_VULKAN) {
         text_print(t, "#define BTF_UNIFORM(n) layout(set = %u, binding = n) uniform\n",
                    options->descriptor_set);
-    else
+    } else {
         text_print(t, "#define BTF_UNIFORM(n) layout(binding = n) uniform\n");
+    }
 }
 
 btf_result btf_shader_source(const btf_material *material, const btf_shader_options *options,
@@ -347,10 +390,11 @@ btf_result btf_shader_source(const btf_material *material, const btf_shader_opti
         (unsigned)all.bindings > BTF_BINDINGS_VULKAN || (unsigned)all.picks > BTF_PICK_ALL ||
         (unsigned)all.fold > BTF_FOLD_NEIGHBOURS) {
         char message[160];
-        snprintf(message, sizeof message,
-                 "shader: interpolation %d, filter %d, math %d, bindings %d, picks %d or fold %d is unknown",
-                 (int)all.interpolation, (int)all.filter, (int)all.math, (int)all.bindings, (int)all.picks,
-                 (int)all.fold);
+        snprintf(
+            message, sizeof message,
+            "shader: interpolation %d, filter %d, math %d, bindings %d, picks %d or fold %d is unknown",
+            (int)all.interpolation, (int)all.filter, (int)all.math, (int)all.bindings, (int)all.picks,
+            (int)all.fold);
         fail(log, message);
         return BTF_ERROR_USAGE;
     }
@@ -362,10 +406,12 @@ btf_result btf_shader_source(const btf_material *material, const btf_shader_opti
     }
     btf_material_info info = {.struct_size = sizeof info};
     btf_result result = btf_material_get_info(material, &info);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_fold_check(&info, &all, log);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         return result;
+    }
     info = btfi_folded_info(&info, all.fold);
 
     text macros = {0}, assembled = {0};
@@ -395,14 +441,16 @@ void btf_self_test_names(uint32_t failures, char *out_names, size_t size) {
         BTF_SELF_TEST_LIST(NAME)
 #undef NAME
     };
-    if (size == 0)
+    if (size == 0) {
         return;
+    }
     snprintf(out_names, size, "%s", failures ? "" : "none");
     size_t length = strlen(out_names);
-    for (size_t i = 0; i < sizeof list / sizeof *list; ++i)
+    for (size_t i = 0; i < sizeof list / sizeof *list; ++i) {
         if (failures & list[i].bit && length < size) {
             int wrote =
                 snprintf(out_names + length, size - length, "%s%s", length ? ", " : "", list[i].name);
             length += wrote > 0 ? (size_t)wrote : 0;
         }
+    }
 }

@@ -75,10 +75,11 @@ const char *btf_texture_name(btf_texture_id id) {
 
 btfi_name btfi_texture_name(uint32_t level, btf_texture_id id) {
     btfi_name name;
-    if (level == 0)
+    if (level == 0) {
         snprintf(name.text, sizeof name.text, "%s", btf_texture_name(id));
-    else
+    } else {
         snprintf(name.text, sizeof name.text, "level%u.%s", (unsigned)level, btf_texture_name(id));
+    }
     return name;
 }
 
@@ -115,8 +116,9 @@ uint32_t btfi_factor_layers(const btf_material_info *info, uint32_t units) {
 
 uint32_t btfi_unit_class(const btf_material_info *info, uint32_t unit, uint32_t *out_number) {
     uint32_t c = 0;
-    while (c + 1 < BTF_FACTOR_CLASSES && unit >= info->factor_classes[c][0])
+    while (c + 1 < BTF_FACTOR_CLASSES && unit >= info->factor_classes[c][0]) {
         unit -= info->factor_classes[c++][0];
+    }
     *out_number = unit;
     return c;
 }
@@ -160,8 +162,9 @@ btf_texture btf_material_texture_shape(const btf_material_info *info, btf_textur
 
     switch (id) {
     case BTF_TEXTURE_SBRDF: {
-        if (info->colour == BTF_COLOUR_NONE)
+        if (info->colour == BTF_COLOUR_NONE) {
             return none;
+        }
         uint32_t lead = info->colour == BTF_COLOUR_MONO ? 1 : ceil_div(3 + 3 * info->lobes, 4);
         return shape(info->half_float ? BTF_FORMAT_RGBA16F : BTF_FORMAT_RGBA32F, 1, w, h,
                      lead + info->lobes);
@@ -190,8 +193,9 @@ btf_texture btf_material_texture_shape(const btf_material_info *info, btf_textur
     case BTF_TEXTURE_POINT_INDICES:
         return lists ? shape(BTF_FORMAT_R8UI, 1, w, h, ceil_div(info->n_views, 2)) : none;
     case BTF_TEXTURE_CENTRES: {
-        if (!tight || !(effects & BTF_EFFECT_HIDDEN) || info->centres == 0)
+        if (!tight || !(effects & BTF_EFFECT_HIDDEN) || info->centres == 0) {
             return none;
+        }
         uint32_t blocks = ceil_div(info->centres, 4096);
         return shape(BTF_FORMAT_RGBA8UI, 0, info->n_lights * blocks, ceil_div(info->centres, blocks), 1);
     }
@@ -229,12 +233,14 @@ uint32_t btf_level_size(uint32_t size, uint32_t level) {
 }
 
 btf_texture btf_material_level_shape(const btf_material_info *info, uint32_t level, btf_texture_id id) {
-    if (level == 0)
+    if (level == 0) {
         return btf_material_texture_shape(info, id);
+    }
     const bool shared = id == BTF_TEXTURE_CENTRES || id == BTF_TEXTURE_RESIDUAL_DIRECTIONS ||
                         id == BTF_TEXTURE_FACTOR_DIRECTIONS || btfi_is_table(id);
-    if (shared || level >= info->levels)
+    if (shared || level >= info->levels) {
         return (btf_texture){0};
+    }
     btf_material_info of_level = *info;
     of_level.width = btf_level_size(info->width, level);
     of_level.height = btf_level_size(info->height, level);
@@ -243,15 +249,18 @@ btf_texture btf_material_level_shape(const btf_material_info *info, uint32_t lev
 
 size_t btf_level_bytes(const btf_material_info *info, uint32_t level) {
     size_t bytes = 0;
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
-        if (!btfi_is_table((btf_texture_id)id))
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        if (!btfi_is_table((btf_texture_id)id)) {
             bytes += btf_material_level_shape(info, level, (btf_texture_id)id).size;
+        }
+    }
     return bytes;
 }
 
 size_t btfi_gpu_bytes(const btf_material_info *info) {
     size_t bytes = 0;
-    for (uint32_t level = 0; level < info->levels; level++)
+    for (uint32_t level = 0; level < info->levels; level++) {
         bytes += btf_level_bytes(info, level);
+    }
     return bytes;
 }

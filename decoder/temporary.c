@@ -23,32 +23,40 @@ static atomic_uint serial;
 
 /* Whether `entry` reads ".NAME.<digits>-<digits>.tmp". */
 static bool is_temporary_of(const char *entry, const char *name, size_t length) {
-    if (entry[0] != '.' || strncmp(entry + 1, name, length) != 0 || entry[1 + length] != '.')
+    if (entry[0] != '.' || strncmp(entry + 1, name, length) != 0 || entry[1 + length] != '.') {
         return false;
+    }
     const char *p = entry + length + 2;
     for (int part = 0; part < 2; part++) {
-        if (!isdigit((unsigned char)*p))
+        if (!isdigit((unsigned char)*p)) {
             return false;
-        while (isdigit((unsigned char)*p))
+        }
+        while (isdigit((unsigned char)*p)) {
             p++;
-        if (part == 0 && *p++ != '-')
+        }
+        if (part == 0 && *p++ != '-') {
             return false;
+        }
     }
     return strcmp(p, ".tmp") == 0;
 }
 
 static void remove_stale(const char *directory, const char *name, size_t length) {
     DIR *listing = opendir(directory);
-    if (!listing)
+    if (!listing) {
         return;
+    }
     for (struct dirent *entry; (entry = readdir(listing));) {
-        if (!is_temporary_of(entry->d_name, name, length))
+        if (!is_temporary_of(entry->d_name, name, length)) {
             continue;
+        }
         const int fd = openat(dirfd(listing), entry->d_name, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-        if (fd < 0)
+        if (fd < 0) {
             continue;
-        if (flock(fd, LOCK_EX | LOCK_NB) == 0)
+        }
+        if (flock(fd, LOCK_EX | LOCK_NB) == 0) {
             unlinkat(dirfd(listing), entry->d_name, 0);
+        }
         close(fd);
     }
     closedir(listing);
@@ -63,15 +71,17 @@ static int create_locked(char *buffer, size_t size, const char *directory, const
                  atomic_fetch_add(&serial, 1));
         const int fd = open(buffer, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (fd < 0) {
-            if (errno == EEXIST)
+            if (errno == EEXIST) {
                 continue;
+            }
             return -1;
         }
         struct stat status;
         while (flock(fd, LOCK_EX) != 0 && errno == EINTR)
             ;
-        if (fstat(fd, &status) == 0 && status.st_nlink > 0)
+        if (fstat(fd, &status) == 0 && status.st_nlink > 0) {
             return fd;
+        }
         close(fd);
     }
     errno = EEXIST;

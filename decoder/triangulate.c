@@ -69,8 +69,9 @@ static int add_triangle(mesh *m, int a, int b, int c) {
 
 static void join(mesh *m, int e, int twin) {
     m->twin[e] = (int16_t)twin;
-    if (twin != NONE)
+    if (twin != NONE) {
         m->twin[twin] = (int16_t)e;
+    }
 }
 
 static void link_hull(mesh *m, int a, int b, int inner) {
@@ -86,8 +87,9 @@ static bool before(const mesh *m, int a, int b) {
 static void sort_vertices(mesh *m) {
     for (uint32_t i = 0; i < m->count; i++) {
         uint32_t at = i;
-        for (; at > 0 && before(m, (int)i, m->order[at - 1]); at--)
+        for (; at > 0 && before(m, (int)i, m->order[at - 1]); at--) {
             m->order[at] = m->order[at - 1];
+        }
         m->order[at] = (int16_t)i;
     }
 }
@@ -100,10 +102,11 @@ static void start_fan(mesh *m, uint32_t k) {
         const int a = m->order[left ? i : k - 1 - i], b = m->order[left ? i + 1 : k - 2 - i];
         const int e = add_triangle(m, a, b, p);
         link_hull(m, a, b, e);
-        if (i == 0)
+        if (i == 0) {
             link_hull(m, p, a, e + 2);
-        else
+        } else {
             join(m, e + 2, e - 2); /* the triangle before ends on the edge from a to p */
+        }
         link_hull(m, b, p, e + 1);
     }
 }
@@ -111,18 +114,21 @@ static void start_fan(mesh *m, uint32_t k) {
 /* Joins p, which lies outside the hull, to every hull edge that it sees; `last` is the vertex added before. */
 static void add_vertex(mesh *m, int p, int last) {
     int first = last; /* p sees an edge that begins or ends at the last vertex */
-    while (area(m, m->previous[first], first, p) < 0)
+    while (area(m, m->previous[first], first, p) < 0) {
         first = m->previous[first];
-    while (area(m, first, m->next[first], p) >= 0)
+    }
+    while (area(m, first, m->next[first], p) >= 0) {
         first = m->next[first];
+    }
     int a = first, from_first = NONE, to_p = NONE;
     while (area(m, a, m->next[a], p) < 0) {
         const int b = m->next[a], e = add_triangle(m, b, a, p);
         join(m, e, m->inner[a]);
-        if (to_p == NONE)
+        if (to_p == NONE) {
             from_first = e + 1;
-        else
+        } else {
             join(m, e + 1, to_p);
+        }
         to_p = e + 2;
         a = b;
     }
@@ -131,8 +137,9 @@ static void add_vertex(mesh *m, int p, int last) {
 }
 
 static void push(mesh *m, int e) {
-    if (m->waits[e])
+    if (m->waits[e]) {
         return;
+    }
     m->waits[e] = true;
     m->pending[m->pending_count++] = (int16_t)e;
 }
@@ -140,14 +147,16 @@ static void push(mesh *m, int e) {
 /* Flips the diagonal of half-edge e when that is better; the four sides around it then wait. */
 static void flip(mesh *m, int e) {
     const int f = m->twin[e];
-    if (f == NONE)
+    if (f == NONE) {
         return;
+    }
     const int b_c = following(e), c_a = following(b_c), a_d = following(f), d_b = following(a_d);
     const int a = m->origin[e], b = m->origin[f], c = m->origin[c_a], d = m->origin[d_b];
     const int64_t inside = in_circle(m, a, b, c, d);
     const int ends = a < b ? a : b, others = c < d ? c : d;
-    if (inside < 0 || (inside == 0 && ends < others))
+    if (inside < 0 || (inside == 0 && ends < others)) {
         return;
+    }
     assert(area(m, a, d, c) > 0 && area(m, d, b, c) > 0);
     const int beyond_db = m->twin[d_b], beyond_ca = m->twin[c_a];
     m->origin[e] = (int16_t)d; /* (a, b, c) becomes (d, b, c), and (b, a, d) becomes (c, a, d) */
@@ -177,10 +186,12 @@ static void flip_all(mesh *m) {
 static void collinear_hull(const mesh *m, uint16_t *hull, uint32_t *out_hull_count) {
     uint32_t count = 0;
     if (m->count > 1) {
-        for (uint32_t i = 0; i < m->count; i++)
+        for (uint32_t i = 0; i < m->count; i++) {
             hull[count++] = (uint16_t)m->order[i];
-        for (uint32_t i = m->count - 2; i > 0; i--)
+        }
+        for (uint32_t i = m->count - 2; i > 0; i--) {
             hull[count++] = (uint16_t)m->order[i];
+        }
     }
     *out_hull_count = count;
 }
@@ -195,17 +206,21 @@ static void collect(const mesh *m, uint16_t (*triangles)[3], uint32_t *out_trian
     const uint32_t triangle_count = (uint32_t)m->halves / 3;
     for (uint32_t t = 0; t < triangle_count; t++) {
         int e = 3 * (int)t;
-        while (m->origin[e] > m->origin[following(e)] || m->origin[e] > m->origin[following(following(e))])
+        while (m->origin[e] > m->origin[following(e)] ||
+               m->origin[e] > m->origin[following(following(e))]) {
             e++;
-        for (int k = 0; k < 3; k++, e = following(e))
+        }
+        for (int k = 0; k < 3; k++, e = following(e)) {
             triangles[t][k] = (uint16_t)m->origin[e];
+        }
     }
     qsort(triangles, triangle_count, sizeof *triangles, compare_triangles);
 
     uint32_t hull_count = 0;
     int start = m->order[0]; /* the leftmost vertex is on the hull */
-    for (int a = m->next[start]; a != m->order[0]; a = m->next[a])
+    for (int a = m->next[start]; a != m->order[0]; a = m->next[a]) {
         start = a < start ? a : start;
+    }
     int a = start;
     do {
         hull[hull_count++] = (uint16_t)a;
@@ -219,16 +234,18 @@ btf_result btfi_triangulate(uint32_t count, const uint16_t (*vertices)[2], uint1
                             uint32_t *out_triangle_count, uint16_t *hull, uint32_t *out_hull_count) {
     assert(count >= 1 && count <= N);
     mesh *m = malloc(sizeof *m);
-    if (!m)
+    if (!m) {
         return BTF_ERROR_MEMORY;
+    }
     m->count = count;
     m->q = vertices;
     m->halves = 0;
     sort_vertices(m);
 
     uint32_t k = 2;
-    while (k < count && area(m, m->order[0], m->order[1], m->order[k]) == 0)
+    while (k < count && area(m, m->order[0], m->order[1], m->order[k]) == 0) {
         k++;
+    }
     if (k >= count) {
         *out_triangle_count = 0;
         collinear_hull(m, hull, out_hull_count);
@@ -236,8 +253,9 @@ btf_result btfi_triangulate(uint32_t count, const uint16_t (*vertices)[2], uint1
         return BTF_OK;
     }
     start_fan(m, k);
-    for (uint32_t i = k + 1; i < count; i++)
+    for (uint32_t i = k + 1; i < count; i++) {
         add_vertex(m, m->order[i], m->order[i - 1]);
+    }
     flip_all(m);
     collect(m, triangles, out_triangle_count, hull, out_hull_count);
     free(m);

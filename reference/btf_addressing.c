@@ -9,8 +9,9 @@
 
 uint32_t btf_ref_coordinate(float c, uint32_t size) {
     uint32_t magnitude = btf_ref_bits(c) & 0x7FFFFFFFu;
-    if (magnitude > 0x45800000u || magnitude < 0x00800000u)
+    if (magnitude > 0x45800000u || magnitude < 0x00800000u) {
         return 0; /* beyond 4096, infinite, NaN; zero, denormal */
+    }
     int32_t fixed = btf_ref_floor(c * 0x1p18f);
     return ((uint32_t)fixed & 0x3FFFFu) * size;
 }
@@ -18,8 +19,9 @@ uint32_t btf_ref_coordinate(float c, uint32_t size) {
 void btf_ref_bilinear(uint32_t t, uint32_t size, uint32_t *out_c0, uint32_t *out_c1,
                       uint32_t *out_weight1) {
     uint32_t start = t - (1u << 17); /* half a texel earlier, modulo 2^32 as all of this */
-    if (t < 1u << 17)
+    if (t < 1u << 17) {
         start += size << 18;
+    }
     *out_c0 = start >> 18;
     *out_c1 = *out_c0 + 1 == size ? 0 : *out_c0 + 1;
     *out_weight1 = (start >> 10) & 255u;
@@ -27,8 +29,9 @@ void btf_ref_bilinear(uint32_t t, uint32_t size, uint32_t *out_c0, uint32_t *out
 
 uint32_t btf_ref_steep(uint32_t weight) {
     uint32_t twice = 2 * weight;
-    if (twice < 128)
+    if (twice < 128) {
         return 0;
+    }
     return twice - 128 > 256 ? 256 : twice - 128;
 }
 

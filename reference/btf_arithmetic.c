@@ -50,11 +50,13 @@ float btf_ref_exp2(float x) {
 }
 
 float btf_ref_pow(float base, float exponent) {
-    if (!(base >= 0x1p-24f))
+    if (!(base >= 0x1p-24f)) {
         return 0.0f;
+    }
     float t = exponent * btf_ref_log2(base);
-    if (t < -60.0f)
+    if (t < -60.0f) {
         return 0.0f;
+    }
     return btf_ref_exp2(t > 40.0f ? 40.0f : t);
 }
 
@@ -73,12 +75,15 @@ float btf_ref_half(uint16_t bits) {
     uint32_t exponent = (bits >> 10) & 31u;
     uint32_t mantissa = bits & 0x3FFu;
 
-    if (exponent == 31) /* infinity, or a NaN that keeps its payload */
+    if (exponent == 31) { /* infinity, or a NaN that keeps its payload */
         return btf_ref_float(sign | 0x7F800000u | mantissa << 13);
-    if (exponent != 0)
+    }
+    if (exponent != 0) {
         return btf_ref_float(sign | (exponent + 112u) << 23 | mantissa << 13);
-    if (mantissa == 0)
+    }
+    if (mantissa == 0) {
         return btf_ref_float(sign);
+    }
     /* a denormal half, mantissa * 2^-24, is a normal float */
     float magnitude = (float)mantissa * 0x1p-24f;
     return btf_ref_float(sign | btf_ref_bits(magnitude));

@@ -73,8 +73,9 @@ static uint32_t fraction(int32_t part, int32_t whole, uint32_t shift) {
 static bool try_triangle(const record *r, point q, btf_ref_neighbours *out_neighbours) {
     point a = subtract(r->a, q), b = subtract(r->b, q), c = subtract(r->c, q);
     int32_t e0 = cross(b, c), e1 = cross(c, a), e2 = cross(a, b);
-    if (e0 < 0 || e1 < 0 || e2 < 0)
+    if (e0 < 0 || e1 < 0 || e2 < 0) {
         return false;
+    }
     int32_t area = cross(subtract(r->b, r->a), subtract(r->c, r->a));
     uint32_t w0 = fraction(e0, area, r->shift);
     uint32_t w1 = fraction(e1, area, r->shift);
@@ -109,8 +110,9 @@ btf_ref_neighbours btf_ref_lookup(const uint16_t *table, uint32_t grid, const in
     btf_ref_neighbours neighbours = {{0, 0, 0}, {4096, 0, 0}};
     for (uint32_t i = first; i < first + count; ++i) {
         record r = read_record(table, grid * grid + RECORD_TEXELS * i);
-        if (r.edge ? try_edge(&r, p, &neighbours) : try_triangle(&r, p, &neighbours))
+        if (r.edge ? try_edge(&r, p, &neighbours) : try_triangle(&r, p, &neighbours)) {
             break;
+        }
     }
     return neighbours;
 }
@@ -118,8 +120,9 @@ btf_ref_neighbours btf_ref_lookup(const uint16_t *table, uint32_t grid, const in
 btf_ref_neighbours btf_ref_nearest(btf_ref_neighbours neighbours) {
     uint32_t best = 0;
     for (uint32_t i = 1; i < 3; ++i) {
-        if (neighbours.weight[i] > neighbours.weight[best])
+        if (neighbours.weight[i] > neighbours.weight[best]) {
             best = i;
+        }
     }
     uint32_t index = neighbours.index[best];
     return (btf_ref_neighbours){{index, index, index}, {4096, 0, 0}};

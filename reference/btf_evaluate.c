@@ -22,8 +22,9 @@ typedef struct evaluation {
 bool btf_ref_above_horizon(const float light[3], const float view[3]) {
     for (int i = 0; i < 3; ++i) {
         uint32_t l = btf_ref_bits(light[i]) & 0x7FFFFFFFu, v = btf_ref_bits(view[i]) & 0x7FFFFFFFu;
-        if (l > 0x40000000u || v > 0x40000000u) /* beyond 2, infinite, NaN */
+        if (l > 0x40000000u || v > 0x40000000u) { /* beyond 2, infinite, NaN */
             return false;
+        }
     }
     return light[2] >= 0x1p-24f && view[2] >= 0x1p-24f;
 }
@@ -31,8 +32,9 @@ bool btf_ref_above_horizon(const float light[3], const float view[3]) {
 btf_ref_lights btf_ref_lights_of(const btf_ref_neighbours *neighbours) {
     btf_ref_lights lights = {0};
     for (int b = 0; b < 3; ++b) {
-        if (neighbours->weight[b] == 0)
+        if (neighbours->weight[b] == 0) {
             continue;
+        }
         lights.index[lights.count] = neighbours->index[b];
         lights.weight[lights.count] = (int32_t)neighbours->weight[b];
         ++lights.count;
@@ -41,8 +43,9 @@ btf_ref_lights btf_ref_lights_of(const btf_ref_neighbours *neighbours) {
 }
 
 static btf_ref_lights some_lights(btf_ref_neighbours neighbours, bool linear) {
-    if (!linear)
+    if (!linear) {
         neighbours = btf_ref_nearest(neighbours);
+    }
     return btf_ref_lights_of(&neighbours);
 }
 
@@ -58,15 +61,17 @@ btf_ref_situation btf_ref_make_situation(const btf_ref_material *material, const
     btf_ref_situation s = {.material = material,
                            .effects = acting_effects(material, options),
                            .cosine = material->domain_sqrt ? btf_ref_pow(light[2], 0.5f) : light[2]};
-    if (s.effects & BTF_REF_RESIDUAL)
+    if (s.effects & BTF_REF_RESIDUAL) {
         s.components =
             options->components < material->components ? options->components : material->components;
+    }
     if (material->store == BTF_REF_FACTORS) {
         float q = light[2] * material->horizon_scale;
         s.horizon = q < 1.0f ? (material->domain_sqrt ? btf_ref_pow(q, 0.5f) : q) : 1.0f;
     }
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3; ++i) {
         s.product[i] = light[i] * view[i];
+    }
     return s;
 }
 
@@ -98,8 +103,9 @@ static evaluation look_up(const btf_ref_material *material, const btf_ref_option
     btf_ref_project(light, q);
     btf_ref_neighbours lights = btf_ref_lookup(material->light_table, material->light_grid, q);
     evaluation e = make_evaluation(material, options, &lights, &views, light, view);
-    if (!(e.shared.effects & BTF_REF_GLOSS))
+    if (!(e.shared.effects & BTF_REF_GLOSS)) {
         return e;
+    }
     for (int a = 0; a < 3; ++a) {
         btf_ref_gloss(material, e.views.index[a], light, view, q);
         lights = btf_ref_lookup(material->light_table, material->light_grid, q);
@@ -114,8 +120,9 @@ static void blend_views(const evaluation *e, const uint32_t weights[3], float va
     const btf_ref_material *material = e->shared.material;
     float sum[CHANNELS] = {0.0f, 0.0f, 0.0f};
     for (int a = 0; a < 3; ++a) {
-        if (weights[a] == 0)
+        if (weights[a] == 0) {
             continue;
+        }
         float weight = (float)weights[a] * 0x1p-12f;
         for (int c = 0; c < CHANNELS; ++c) {
             float term = values[a][c] * weight;
@@ -136,14 +143,16 @@ static void texel_radiance(const evaluation *e, uint32_t column, uint32_t row, f
     const btf_ref_folded *folded = e->shared.folded;
     if (folded && folded->fold == BTF_REF_FOLD_BOTH) {
         const float *kept = folded->values + 4 * ((size_t)row * e->shared.material->width + column);
-        for (int c = 0; c < CHANNELS; ++c)
+        for (int c = 0; c < CHANNELS; ++c) {
             out_rgb[c] = kept[c];
+        }
         return;
     }
     float values[3][CHANNELS];
     for (int a = 0; a < 3; ++a) {
-        if (e->views.weight[a] > 0)
+        if (e->views.weight[a] > 0) {
             btf_ref_view_value(&e->shared, &e->lights[a], column, row, e->shown[a], values[a]);
+        }
     }
     blend_views(e, e->views.weight, values, out_rgb);
 }
@@ -153,8 +162,9 @@ btf_ref_footprint btf_ref_texels_around(const btf_ref_material *material, int fi
     uint32_t width = material->width, height = material->height;
     btf_ref_footprint f = {
         .count = 1, .column = {tu >> 18}, .row = {height - 1 - (tv >> 18)}, .weight = {65536}};
-    if (filter == BTF_REF_TEXEL)
+    if (filter == BTF_REF_TEXEL) {
         return f;
+    }
 
     uint32_t column[2], row[2], weight_u[2], weight_v[2];
     btf_ref_bilinear(tu, width, &column[0], &column[1], &weight_u[1]);
@@ -169,8 +179,9 @@ btf_ref_footprint btf_ref_texels_around(const btf_ref_material *material, int fi
     for (int corner = 0; corner < CORNERS; ++corner) { /* 00, 10, 01, 11 */
         int i = corner & 1, j = corner >> 1;
         uint32_t product = weight_u[i] * weight_v[j];
-        if (product == 0)
+        if (product == 0) {
             continue;
+        }
         f.column[f.count] = column[i];
         f.row[f.count] = height - 1 - row[j];
         f.weight[f.count] = product;
@@ -207,11 +218,11 @@ static void relief_radiance(const evaluation *e, int filter, uint32_t tu, uint32
     float values[3][CHANNELS] = {{0.0f}};
     btf_ref_relief(e->shared.material, &e->views, e->view, e->linear, position, positions, weights);
     for (int a = 0; a < 3; ++a) {
-        if (weights[a] == 0)
+        if (weights[a] == 0) {
             continue;
-        btf_ref_footprint f =
-            btf_ref_texels_around(e->shared.material, filter, (uint32_t)positions[a][0] << 10,
-                                  (uint32_t)positions[a][1] << 10);
+        }
+        btf_ref_footprint f = btf_ref_texels_around(
+            e->shared.material, filter, (uint32_t)positions[a][0] << 10, (uint32_t)positions[a][1] << 10);
         for (uint32_t i = 0; i < f.count; ++i) {
             float value[CHANNELS];
             btf_ref_view_value(&e->shared, &e->lights[a], f.column[i], f.row[i], e->shown[a], value);
@@ -222,10 +233,11 @@ static void relief_radiance(const evaluation *e, int filter, uint32_t tu, uint32
 }
 
 static void radiance_at(const evaluation *e, int filter, uint32_t tu, uint32_t tv, float out_rgb[3]) {
-    if (e->shared.effects & BTF_REF_RELIEF)
+    if (e->shared.effects & BTF_REF_RELIEF) {
         relief_radiance(e, filter, tu, tv, out_rgb);
-    else
+    } else {
         filtered_radiance(e, filter, tu, tv, out_rgb);
+    }
 }
 
 /** Radiance of a texel: with relief, at its centre. */
@@ -240,23 +252,27 @@ void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref
                                  const btf_ref_neighbours *views, const float light[3], const float view[3],
                                  float out_rgb[3]) {
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
-    if (!btf_ref_above_horizon(light, view))
+    if (!btf_ref_above_horizon(light, view)) {
         return;
+    }
     evaluation e = make_evaluation(material, options, lights, views, light, view);
     radiance_of(&e, column, row, out_rgb);
 }
 
-void btf_ref_evaluate_apart(const btf_ref_material *material, const btf_ref_options *options, uint32_t column,
-                            uint32_t row, const btf_ref_neighbours lights[3], const btf_ref_neighbours *views,
-                            const float light[3], const float view[3], float out_rgb[3]) {
+void btf_ref_evaluate_apart(const btf_ref_material *material, const btf_ref_options *options,
+                            uint32_t column, uint32_t row, const btf_ref_neighbours lights[3],
+                            const btf_ref_neighbours *views, const float light[3], const float view[3],
+                            float out_rgb[3]) {
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
-    if (!btf_ref_above_horizon(light, view))
+    if (!btf_ref_above_horizon(light, view)) {
         return;
+    }
     evaluation e = make_evaluation(material, options, lights, views, light, view);
     for (int a = 0; a < 3; ++a) {
         int from = a;
-        while (views->index[from] != e.views.index[a]) /* the nearest view is one of the three */
+        while (views->index[from] != e.views.index[a]) { /* the nearest view is one of the three */
             from = (from + 1) % 3;
+        }
         e.lights[a] = some_lights(lights[from], e.linear);
     }
     radiance_of(&e, column, row, out_rgb);
@@ -266,8 +282,9 @@ void btf_ref_evaluate_texel(const btf_ref_material *material, const btf_ref_opti
                             uint32_t column, uint32_t row, const float light[3], const float view[3],
                             float out_rgb[3]) {
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
-    if (!btf_ref_above_horizon(light, view))
+    if (!btf_ref_above_horizon(light, view)) {
         return;
+    }
     evaluation e = look_up(material, options, light, view);
     radiance_of(&e, column, row, out_rgb);
 }
@@ -275,8 +292,9 @@ void btf_ref_evaluate_texel(const btf_ref_material *material, const btf_ref_opti
 void btf_ref_evaluate(const btf_ref_material *material, const btf_ref_options *options, float u, float v,
                       const float light[3], const float view[3], float out_rgb[3]) {
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
-    if (!btf_ref_above_horizon(light, view))
+    if (!btf_ref_above_horizon(light, view)) {
         return;
+    }
     evaluation e = look_up(material, options, light, view);
     radiance_at(&e, options->filter, btf_ref_coordinate(u, material->width),
                 btf_ref_coordinate(v, material->height), out_rgb);
@@ -284,10 +302,12 @@ void btf_ref_evaluate(const btf_ref_material *material, const btf_ref_options *o
 
 int btf_ref_can_fold(const btf_ref_material *material, const btf_ref_options *options, int fold) {
     uint32_t effects = material->effects & options->effects;
-    if (fold == BTF_REF_FOLD_LIGHT)
+    if (fold == BTF_REF_FOLD_LIGHT) {
         return material->colour == BTF_REF_NONE && !(effects & BTF_REF_GLOSS);
-    if (fold == BTF_REF_FOLD_BOTH)
+    }
+    if (fold == BTF_REF_FOLD_BOTH) {
         return !(effects & BTF_REF_RELIEF);
+    }
     return fold == BTF_REF_FOLD_NEIGHBOURS;
 }
 
@@ -297,13 +317,15 @@ void btf_ref_fold_light(const btf_ref_material *material, const btf_ref_options 
     static const float normal[3] = {0.0f, 0.0f, 1.0f}; /* values do not depend on the viewer */
     bool lit = btf_ref_above_horizon(light, normal);
     evaluation e = {0};
-    if (lit)
+    if (lit) {
         e = look_up(material, options, light, normal);
+    }
     for (uint32_t row = first_row; row < first_row + rows; ++row) {
         for (uint32_t column = 0; column < material->width; ++column, out_values += 4) {
             out_values[0] = out_values[1] = out_values[2] = out_values[3] = 0.0f;
-            if (lit)
+            if (lit) {
                 btf_ref_view_value(&e.shared, &e.lights[0], column, row, view, out_values);
+            }
         }
     }
 }
@@ -313,13 +335,15 @@ void btf_ref_fold_both(const btf_ref_material *material, const btf_ref_options *
                        float *out_values) {
     bool seen = btf_ref_above_horizon(light, view);
     evaluation e = {0};
-    if (seen)
+    if (seen) {
         e = look_up(material, options, light, view);
+    }
     for (uint32_t row = first_row; row < first_row + rows; ++row) {
         for (uint32_t column = 0; column < material->width; ++column, out_values += 4) {
             out_values[0] = out_values[1] = out_values[2] = out_values[3] = 0.0f;
-            if (seen)
+            if (seen) {
                 texel_radiance(&e, column, row, out_values);
+            }
         }
     }
 }
@@ -334,18 +358,20 @@ void btf_ref_fold_add(size_t texels, const float *values, const float weight[3],
 }
 
 void btf_ref_fold_neighbour(const btf_ref_material *material, const btf_ref_options *options,
-                            const float light[3], const float view[3], uint32_t neighbour, uint32_t first_row,
-                            uint32_t rows, float *out_values) {
+                            const float light[3], const float view[3], uint32_t neighbour,
+                            uint32_t first_row, uint32_t rows, float *out_values) {
     evaluation e = {0};
-    if (btf_ref_above_horizon(light, view))
+    if (btf_ref_above_horizon(light, view)) {
         e = look_up(material, options, light, view);
+    }
     bool seen = e.views.weight[neighbour] > 0;
     for (uint32_t row = first_row; row < first_row + rows; ++row) {
         for (uint32_t column = 0; column < material->width; ++column, out_values += 4) {
             out_values[0] = out_values[1] = out_values[2] = out_values[3] = 0.0f;
-            if (seen)
+            if (seen) {
                 btf_ref_view_value(&e.shared, &e.lights[neighbour], column, row, e.views.index[neighbour],
                                    out_values);
+            }
         }
     }
 }
@@ -355,15 +381,17 @@ void btf_ref_evaluate_folded(const btf_ref_material *material, const btf_ref_opt
                              const float view[3], float out_rgb[3]) {
     static const btf_ref_neighbours no_lights = {{0}, {4096, 0, 0}};
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
-    if (!btf_ref_above_horizon(light, view))
+    if (!btf_ref_above_horizon(light, view)) {
         return;
+    }
     int32_t q[2];
     btf_ref_project(view, q);
     btf_ref_neighbours views = btf_ref_lookup(material->view_table, material->view_grid, q);
     evaluation e = make_evaluation(material, options, &no_lights, &views, light, view);
     e.shared.folded = folded;
-    for (uint32_t a = 0; a < 3 && folded->fold == BTF_REF_FOLD_NEIGHBOURS; ++a)
+    for (uint32_t a = 0; a < 3 && folded->fold == BTF_REF_FOLD_NEIGHBOURS; ++a) {
         e.shown[a] = a;
+    }
     radiance_at(&e, options->filter, btf_ref_coordinate(u, material->width),
                 btf_ref_coordinate(v, material->height), out_rgb);
 }

@@ -40,8 +40,9 @@ typedef struct unit_levels {
 
 /** The level of a code of `bits` bits. */
 static int32_t level_of(uint32_t class_index, uint32_t code, uint32_t bits) {
-    if (class_index == 0) /* a signed byte */
+    if (class_index == 0) { /* a signed byte */
         return code < 128 ? (int32_t)code : (int32_t)code - 256;
+    }
     return 2 * (int32_t)code - ((1 << bits) - 1);
 }
 
@@ -108,8 +109,9 @@ static int32_t dot_product(const btf_ref_material *material, const unit *of, con
 static int32_t light_sum(const btf_ref_material *material, const btf_ref_lights *lights, const unit *of,
                          const unit_levels *u, uint32_t word, uint32_t view) {
     int32_t sum = 0;
-    for (uint32_t b = 0; b < lights->count; ++b)
+    for (uint32_t b = 0; b < lights->count; ++b) {
         sum += lights->weight[b] * dot_product(material, of, u, word, view, lights->index[b]);
+    }
     return sum;
 }
 
@@ -121,8 +123,9 @@ static float scaled(int32_t e, uint32_t shift, float scale) {
 
 /** The channel of a word of a class, counted through its units. */
 static int channel_of(const uint32_t counts[3], uint32_t word) {
-    if (word < counts[1])
+    if (word < counts[1]) {
         return CHROMA_1;
+    }
     return word < counts[1] + counts[2] ? CHROMA_2 : LUMA;
 }
 
@@ -133,8 +136,9 @@ static void add_unit(const btf_ref_material *material, const btf_ref_lights *lig
     const float *scales = material->factor_scales + WORDS * (size_t)of->layer;
     uint32_t shift = classes[of->class_index].shift;
     int32_t e[WORDS];
-    for (uint32_t word = 0; word < WORDS; ++word)
+    for (uint32_t word = 0; word < WORDS; ++word) {
         e[word] = light_sum(material, lights, of, u, word, view);
+    }
 
     if (of->class_index == 0 || WORDS * of->number < counts[1] + counts[2]) { /* mixed */
         for (uint32_t word = 0; word < WORDS; ++word) {
@@ -154,8 +158,9 @@ void btf_ref_factors(const btf_ref_material *material, uint32_t units, const btf
         float sums[CHANNELS] = {0.0f, 0.0f, 0.0f};
         for (; next.class_index < BTF_REF_FACTOR_CLASSES; ++next.class_index) {
             const factor_class *c = &classes[next.class_index];
-            if (c->tier != tier)
+            if (c->tier != tier) {
                 break;
+            }
             uint32_t count = material->factor_classes[next.class_index][0];
             for (next.number = 0; next.number < count && next.layer < units; ++next.number, ++next.layer) {
                 unit_levels u = read_texel_levels(material, &next, column, row);

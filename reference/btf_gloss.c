@@ -22,8 +22,9 @@ static float dot(const float a[3], const float b[3]) {
  * denormals. */
 static bool vanishes(const float d[3]) {
     for (int i = 0; i < 3; ++i) {
-        if (d[i] >= 0x1p-24f || d[i] <= -0x1p-24f)
+        if (d[i] >= 0x1p-24f || d[i] <= -0x1p-24f) {
             return false;
+        }
     }
     return true;
 }

@@ -99,8 +99,9 @@ static inline bool btf_ref_probe(void) {
     result[12] = next * next + next * three; /* next * (next + three) is 0x40800001 */
 
     bool sound = true;
-    for (int i = 0; i < CHECKS; ++i)
+    for (int i = 0; i < CHECKS; ++i) {
         sound = sound && btf_ref_bits(result[i]) == expected[i];
+    }
     return sound;
 #endif
 }
@@ -115,11 +116,11 @@ typedef struct btf_ref_lights {
 /** The part of an evaluation that all texels and views share. */
 typedef struct btf_ref_situation {
     const btf_ref_material *material;
-    uint32_t effects;    /**< decoded */
-    uint32_t components; /**< decoded; units, with factors */
-    float product[3];    /**< P of section 9: l * V by component */
-    float cosine;        /**< m of section 9 */
-    float horizon;       /**< m_r of section 9; with factors */
+    uint32_t effects;             /**< decoded */
+    uint32_t components;          /**< decoded; units, with factors */
+    float product[3];             /**< P of section 9: l * V by component */
+    float cosine;                 /**< m of section 9 */
+    float horizon;                /**< m_r of section 9; with factors */
     const btf_ref_folded *folded; /**< what texels show, in place of what the material says; null: none */
 } btf_ref_situation;
 

@@ -32,8 +32,9 @@ void btf_ref_slope(const float direction[3], int32_t out_slope[2]) {
 /** A slope, times the share of it by which relief acts. */
 static void faded_slope(const float direction[3], int32_t share, int32_t out_slope[2]) {
     btf_ref_slope(direction, out_slope);
-    for (int i = 0; i < 2; ++i)
+    for (int i = 0; i < 2; ++i) {
         out_slope[i] = btf_ref_shift_down(out_slope[i] * share, WEIGHT_BITS);
+    }
 }
 
 /** A position on an axis of `size` texels, modulo its length. */
@@ -74,8 +75,9 @@ int32_t btf_ref_march(const btf_ref_material *material, const int32_t position[2
         btf_ref_move(material, position, z, slope, foot);
         int32_t surface = height_at(material, foot);
         if (surface >= z) {
-            if (n == 0)
+            if (n == 0) {
                 return z;
+            }
             /* lower than the ray was a step before: it came down on it; higher: it went into its side */
             return surface < z + descent ? surface : z + (descent >> 1);
         }
@@ -89,8 +91,9 @@ static int32_t visible_share(const btf_ref_material *material, int32_t shown, in
     int32_t above =
         btf_ref_shift_down(btf_ref_shift_down((shown - seen) * share, WEIGHT_BITS), material->level);
     int32_t o = 6144 - 8 * above;
-    if (o < 1229)
+    if (o < 1229) {
         return 1229;
+    }
     return o > FULL_WEIGHT ? FULL_WEIGHT : o;
 }
 
@@ -107,8 +110,9 @@ void btf_ref_relief(const btf_ref_material *material, const btf_ref_neighbours *
     uint32_t visible[3], total = 0;
     int32_t share = 0; /* e */
     for (int a = 0; a < 3; ++a) {
-        if (material->view_vectors[4 * (size_t)views->index[a] + 3] != 0.0f)
+        if (material->view_vectors[4 * (size_t)views->index[a] + 3] != 0.0f) {
             share += (int32_t)views->weight[a];
+        }
     }
 
     int32_t slope[2], point[2];
@@ -130,8 +134,9 @@ void btf_ref_relief(const btf_ref_material *material, const btf_ref_neighbours *
         total += visible[a];
         out_weights[a] = views->weight[a];
     }
-    if (!occlusion || flat)
+    if (!occlusion || flat) {
         return;
+    }
     /* the last that weighs takes what rounding leaves */
     out_weights[0] = fraction(visible[0], total);
     out_weights[1] = visible[2] > 0 ? fraction(visible[1], total) : FULL_WEIGHT - out_weights[0];

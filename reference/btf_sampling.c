@@ -35,11 +35,13 @@ static uint32_t third_number(uint32_t u1, uint32_t u2) {
 
 /** part / whole of 0 <= part < whole, below 1; a whole of 0 stands for 2^32. */
 static float share_of(uint32_t part, uint32_t whole) {
-    if (whole == 0)
+    if (whole == 0) {
         return unit_of(part);
+    }
     uint32_t drop = 0;
-    while (whole >> drop >= 1u << 24)
+    while (whole >> drop >= 1u << 24) {
         ++drop;
+    }
     float p = (float)(part >> drop), w = (float)(whole >> drop);
     uint32_t exponent = (btf_ref_bits(w) >> 23) - 127;
     float down = btf_ref_float((127 - exponent) << 23); /* exact: w * down is in [1, 2) */
@@ -101,8 +103,9 @@ static void barycentric(float u1, float u2, float u3, const float d[3], float ou
     float unturned = weighted(l, d[0], d[1], d[2]);
     float once = unturned + weighted(l + 1, d[0], d[1], d[2]);
     int turns = height < unturned ? 0 : height < once ? 1 : 2;
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3; ++i) {
         out[i] = l[turns + i];
+    }
 }
 
 /** The first triangle whose part of 2^32 ends above u; there is one. */
@@ -110,10 +113,11 @@ static uint32_t find_triangle(const uint32_t *row, uint32_t count, uint32_t u) {
     uint32_t low = 0, high = count - 1;
     while (low < high) {
         uint32_t middle = (low + high) / 2;
-        if (u < row[4 * middle])
+        if (u < row[4 * middle]) {
             high = middle;
-        else
+        } else {
             low = middle + 1;
+        }
     }
     return low;
 }
@@ -134,8 +138,9 @@ static void unproject(const float q[2], float out[3]) {
 
 static bool is_above(const float d[3]) {
     for (int i = 0; i < 3; ++i) {
-        if ((btf_ref_bits(d[i]) & 0x7FFFFFFFu) > 0x40000000u) /* beyond 2, infinite, NaN */
+        if ((btf_ref_bits(d[i]) & 0x7FFFFFFFu) > 0x40000000u) { /* beyond 2, infinite, NaN */
             return false;
+        }
     }
     return d[2] >= 0x1p-24f;
 }
@@ -150,8 +155,9 @@ float btf_ref_pdf_light(const btf_ref_material *material, const btf_ref_sampling
                         float v, const float view[3], const float light[3]) {
     (void)u;
     (void)v;
-    if (!is_above(view) || !is_above(light))
+    if (!is_above(view) || !is_above(light)) {
         return 0.0f;
+    }
     const float *of_view =
         sampling->densities + (size_t)nearest_view(material, view) * (material->n_lights + 1);
     int32_t q[2];
@@ -180,8 +186,9 @@ void btf_ref_sample_light(const btf_ref_material *material, const btf_ref_sampli
     out_light[0] = out_light[1] = 0.0f;
     out_light[2] = 1.0f;
     *out_pdf = 0.0f;
-    if (!is_above(view))
+    if (!is_above(view)) {
         return;
+    }
     uint32_t count = sampling->n_triangles;
     const uint32_t *row = sampling->triangles + 4 * (size_t)count * nearest_view(material, view);
     uint32_t end = row[4 * (size_t)(count - 1)];
@@ -193,8 +200,9 @@ void btf_ref_sample_light(const btf_ref_material *material, const btf_ref_sampli
         uint32_t begin = t > 0 ? row[4 * (size_t)(t - 1)] : 0;
         const uint32_t *corners = sampling->triangles + 4 * ((size_t)count * material->n_views + t);
         float d[3], l[3], q[2];
-        for (int i = 0; i < 3; ++i)
+        for (int i = 0; i < 3; ++i) {
             d[i] = btf_ref_float(row[4 * (size_t)t + 1 + (size_t)i]);
+        }
         barycentric(share_of(u1 - begin, row[4 * (size_t)t] - begin), second, unit_of(third_number(u1, u2)),
                     d, l);
         q[0] = weighted(l, (float)(corners[0] & 0xFFFFu), (float)(corners[1] & 0xFFFFu),

@@ -94,16 +94,21 @@ static uint32_t hash_arithmetic(void) {
 
 static void fill(contents *c) {
     uint32_t state = 2;
-    for (unsigned i = 0; i < sizeof c->sbrdf / sizeof *c->sbrdf; ++i)
+    for (unsigned i = 0; i < sizeof c->sbrdf / sizeof *c->sbrdf; ++i) {
         c->sbrdf[i] = random_float(&state, 0.1f, 1.2f);
-    for (unsigned i = 0; i < sizeof c->scales / sizeof *c->scales; ++i)
+    }
+    for (unsigned i = 0; i < sizeof c->scales / sizeof *c->scales; ++i) {
         c->scales[i] = random_float(&state, 0x1p-18f, 0x1p-16f);
-    for (unsigned i = 0; i < sizeof c->texels; ++i)
+    }
+    for (unsigned i = 0; i < sizeof c->texels; ++i) {
         c->texels[i] = (int8_t)((int)(next_random(&state) >> 8) % 255 - 127);
-    for (unsigned i = 0; i < sizeof c->directions; ++i)
+    }
+    for (unsigned i = 0; i < sizeof c->directions; ++i) {
         c->directions[i] = (int8_t)((int)(next_random(&state) >> 8) % 255 - 127);
-    for (unsigned i = 0; i < sizeof c->maps; ++i)
+    }
+    for (unsigned i = 0; i < sizeof c->maps; ++i) {
         c->maps[i] = (uint8_t)(next_random(&state) >> 8 | 1); /* no gain code 0 */
+    }
     /* a texel of view 1 and one of view 2 are hidden, behind centres that the atlas has: 9 and 1 */
     uint8_t *hidden = c->maps + 4 * (0 * ATLAS_WIDTH + SIZE);
     hidden[1] = 0, hidden[2] = 9, hidden[3] = 0;
@@ -133,8 +138,9 @@ static uint32_t hash_evaluations(btf_ref_material *material, uint32_t state, int
         options.components = version_2 && i % 7 == 0 ? (uint32_t)i % UNITS : UINT32_MAX;
         options.interpolation = i % 3 != 0 ? BTF_REF_LINEAR : BTF_REF_NEAREST;
         options.filter = i % 5 != 0 ? BTF_REF_BILINEAR : BTF_REF_TEXEL;
-        if ((material->effects & BTF_REF_RELIEF) && i % 5 > 2)
+        if ((material->effects & BTF_REF_RELIEF) && i % 5 > 2) {
             options.filter = BTF_REF_STEEP;
+        }
         float light[3], view[3], radiance[3];
         for (int k = 0; k < 3; ++k) { /* the decoder does not mind directions that are not of unit length */
             light[k] = random_float(&state, k == 2 ? 0.01f : -0.8f, k == 2 ? 1.0f : 1.6f);
@@ -142,18 +148,21 @@ static uint32_t hash_evaluations(btf_ref_material *material, uint32_t state, int
         }
         float u = random_float(&state, -2.0f, 4.0f), v = random_float(&state, -2.0f, 4.0f);
         btf_ref_evaluate(material, &options, u, v, light, view, radiance);
-        for (int k = 0; k < 3; ++k)
+        for (int k = 0; k < 3; ++k) {
             add_float(&hash, radiance[k]);
+        }
     }
     return hash;
 }
 
 static void fill_factors(factors *f) {
     uint32_t state = 5;
-    for (unsigned i = 0; i < sizeof f->texels / sizeof *f->texels; ++i)
+    for (unsigned i = 0; i < sizeof f->texels / sizeof *f->texels; ++i) {
         f->texels[i] = next_random(&state) | 0x01010101u; /* no byte is -128 */
-    for (unsigned i = 0; i < sizeof f->directions / sizeof *f->directions; ++i)
+    }
+    for (unsigned i = 0; i < sizeof f->directions / sizeof *f->directions; ++i) {
         f->directions[i] = next_random(&state) | 0x01010101u;
+    }
     /* one scale in four words, as whole units have it; smaller in wider classes */
     for (unsigned unit = 0; unit < UNITS; ++unit) {
         float scale = random_float(&state, 0x1p-8f, 0x1p-8f);
@@ -210,9 +219,11 @@ static btf_ref_material make_factor_material(const contents *c, const factors *f
     material.store = BTF_REF_FACTORS;
     material.components = UNITS;
     material.horizon_scale = 2.5f;
-    for (int i = 0; i < 5; ++i)
-        for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < 5; ++i) {
+        for (int k = 0; k < 3; ++k) {
             material.factor_classes[i][k] = factor_classes[i][k];
+        }
+    }
     material.factor_texels = f->texels;
     material.factor_directions = f->directions;
     material.factor_scales = f->scales;

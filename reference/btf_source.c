@@ -70,8 +70,9 @@ static appearance read_appearance(const btf_ref_situation *s, uint32_t column, u
     appearance result = {false, 0, 0, 0, 1.0f};
     uint32_t code = 128, byte0 = 0, byte1 = 0;
 
-    if (material->points_packed)
+    if (material->points_packed) {
         return read_packed(s, column, row, view);
+    }
     if (material->effects & (BTF_REF_GAIN | BTF_REF_HIDDEN)) {
         code = material->layout_tight ? material->gain[layer_index(material, view, column, row)]
                                       : tile_byte(material, view, column, row, 1);
@@ -96,8 +97,9 @@ static appearance read_appearance(const btf_ref_situation *s, uint32_t column, u
         result.columns = signed_byte((uint8_t)byte0);
         result.rows = signed_byte((uint8_t)byte1);
     }
-    if (s->effects & BTF_REF_GAIN)
+    if (s->effects & BTF_REF_GAIN) {
         result.gain = (float)code * material->gain_scale;
+    }
     return result;
 }
 
@@ -121,20 +123,23 @@ static void centre_value(const btf_ref_situation *s, const btf_ref_lights *light
     const btf_ref_material *material = s->material;
     const uint8_t *texture = material->layout_tight ? material->centre : material->maps;
     uint32_t width = material->atlas_width;
-    if (material->layout_tight) /* ceil(K / 4096) blocks of n_lights columns */
+    if (material->layout_tight) { /* ceil(K / 4096) blocks of n_lights columns */
         width = (material->centres + 4095) / 4096 * material->n_lights;
+    }
 
     int32_t sum[3] = {0, 0, 0};
     for (uint32_t b = 0; b < lights->count; ++b) {
         uint32_t x, y;
         btf_ref_centre(material, centre, lights->index[b], &x, &y);
         const uint8_t *code = texture + 4 * ((size_t)y * width + x);
-        for (int c = 0; c < CHANNELS; ++c)
+        for (int c = 0; c < CHANNELS; ++c) {
             sum[c] += lights->weight[b] * code[c];
+        }
     }
     float scale = material->centre_scale * 0x1p-12f;
-    for (int c = 0; c < CHANNELS; ++c)
+    for (int c = 0; c < CHANNELS; ++c) {
         out_y[c] = (float)sum[c] * scale;
+    }
 }
 
 /** The four parameters in a layer of `sbrdf`. */
@@ -142,10 +147,11 @@ static void read_parameters(const btf_ref_material *material, uint32_t layer, ui
                             float out_parameters[4]) {
     size_t first = 4 * layer_index(material, layer, column, row);
     for (size_t i = 0; i < 4; ++i) {
-        if (material->half_float)
+        if (material->half_float) {
             out_parameters[i] = btf_ref_half(((const uint16_t *)material->sbrdf)[first + i]);
-        else
+        } else {
             out_parameters[i] = ((const float *)material->sbrdf)[first + i];
+        }
     }
 }
 
@@ -172,17 +178,20 @@ static void sbrdf(const btf_ref_situation *s, uint32_t column, uint32_t row, flo
             read_parameters(material, 1 + j, column, row, parameters);
             sum = sum + lobe(parameters, s->product);
         }
-        for (int c = 0; c < CHANNELS; ++c)
+        for (int c = 0; c < CHANNELS; ++c) {
             out_f[c] = colour[c] * sum;
+        }
         return;
     }
 
     float factors[DIFFUSE_AND_WEIGHTS + 1]; /* the diffuse term, then a weight a lobe; in whole layers */
     uint32_t factor_layers = (CHANNELS * (1 + material->lobes) + 3) / 4;
-    for (uint32_t layer = 0; layer < factor_layers; ++layer)
+    for (uint32_t layer = 0; layer < factor_layers; ++layer) {
         read_parameters(material, layer, column, row, factors + 4 * layer);
-    for (int c = 0; c < CHANNELS; ++c)
+    }
+    for (int c = 0; c < CHANNELS; ++c) {
         out_f[c] = factors[c];
+    }
     for (uint32_t j = 0; j < material->lobes; ++j) {
         read_parameters(material, factor_layers + j, column, row, parameters);
         float q = lobe(parameters, s->product);
@@ -199,8 +208,9 @@ static void residual(const btf_ref_situation *s, const btf_ref_lights *lights, u
     const btf_ref_material *material = s->material;
     const size_t plane = (size_t)material->n_views * material->n_lights;
 
-    for (int c = 0; c < CHANNELS; ++c)
+    for (int c = 0; c < CHANNELS; ++c) {
         out_r[c] = 0.0f;
+    }
     for (uint32_t j = 0; j < s->components; ++j) {
         size_t layer = j / 4, channel = j % 4;
         int8_t u = material->residual_texels[4 * layer_index(material, j / 4, column, row) + channel];
@@ -211,8 +221,9 @@ static void residual(const btf_ref_situation *s, const btf_ref_lights *lights, u
                               4 * ((CHANNELS * layer + c) * plane + (size_t)view * material->n_lights) +
                               channel;
             int32_t sum = 0;
-            for (uint32_t b = 0; b < lights->count; ++b)
+            for (uint32_t b = 0; b < lights->count; ++b) {
                 sum += lights->weight[b] * v[4 * lights->index[b]];
+            }
             float term = factor * (float)sum;
             out_r[c] = out_r[c] + term;
         }
@@ -226,17 +237,20 @@ static void source(const btf_ref_situation *s, const btf_ref_lights *lights, uin
     bool modelled = material->colour != BTF_REF_NONE;
     float h[3] = {0.0f, 0.0f, 0.0f}, r[3];
 
-    if (modelled)
+    if (modelled) {
         sbrdf(s, column, row, h);
+    }
     if (modelled && (s->effects & BTF_REF_SHADOW)) {
         float scale = material->shadow_scale * 0x1p-12f;
         float shadow = (float)shadow_sum(s, lights, column, row) * scale;
-        for (int c = 0; c < CHANNELS; ++c)
+        for (int c = 0; c < CHANNELS; ++c) {
             h[c] = h[c] * shadow;
+        }
     }
     if (!(s->effects & BTF_REF_RESIDUAL)) {
-        for (int c = 0; c < CHANNELS; ++c)
+        for (int c = 0; c < CHANNELS; ++c) {
             out_y[c] = h[c] * s->cosine;
+        }
         return;
     }
     if (material->store == BTF_REF_FACTORS) {
@@ -256,10 +270,12 @@ static void source(const btf_ref_situation *s, const btf_ref_lights *lights, uin
 }
 
 float btf_ref_keep_within(float value) {
-    if (!(value >= 0x1p-30f))
+    if (!(value >= 0x1p-30f)) {
         return 0.0f;
-    if (value > 0x1p32f)
+    }
+    if (value > 0x1p32f) {
         return 0x1p32f;
+    }
     return value;
 }
 
@@ -268,8 +284,9 @@ void btf_ref_view_value(const btf_ref_situation *s, const btf_ref_lights *lights
     const btf_ref_material *material = s->material;
     if (s->folded) {
         const float *kept = s->folded->values + 4 * layer_index(material, view, column, row);
-        for (int c = 0; c < CHANNELS; ++c)
+        for (int c = 0; c < CHANNELS; ++c) {
             out[c] = kept[c];
+        }
         return;
     }
     bool roots = material->blend == BTF_REF_BLEND_ROOTS;
@@ -277,8 +294,9 @@ void btf_ref_view_value(const btf_ref_situation *s, const btf_ref_lights *lights
 
     if (seen.hidden) {
         centre_value(s, lights, seen.centre, out);
-        for (int c = 0; c < CHANNELS; ++c)
+        for (int c = 0; c < CHANNELS; ++c) {
             out[c] = roots ? out[c] : out[c] * out[c];
+        }
         return;
     }
     uint32_t source_column = btf_ref_wrap(column, seen.columns, material->width);

@@ -48,8 +48,9 @@ static scene set_scene(const btf_ref_material *material, const btf_ref_options *
     int32_t q[2];
     btf_ref_project(view, q);
     s.views = btf_ref_lookup(material->view_table, material->view_grid, q);
-    if (!linear)
+    if (!linear) {
         s.views = btf_ref_nearest(s.views);
+    }
 
     uint32_t tu = btf_ref_coordinate(u, material->width), tv = btf_ref_coordinate(v, material->height);
     for (int a = 0; a < 3; ++a) {
@@ -74,10 +75,11 @@ static scene set_scene(const btf_ref_material *material, const btf_ref_options *
 static btf_ref_neighbours lights_around(const scene *s, int a) {
     const btf_ref_material *material = s->shared.material;
     int32_t q[2];
-    if (s->shared.effects & BTF_REF_GLOSS)
+    if (s->shared.effects & BTF_REF_GLOSS) {
         btf_ref_gloss(material, s->views.index[a], s->light, s->view, q);
-    else
+    } else {
         btf_ref_project(s->light, q);
+    }
     btf_ref_neighbours lights = btf_ref_lookup(material->light_table, material->light_grid, q);
     return s->options->interpolation == BTF_REF_NEAREST ? btf_ref_nearest(lights) : lights;
 }
@@ -109,12 +111,14 @@ static void decode_view(const scene *s, int a, const btf_ref_lights *lights,
     for (uint32_t i = 0; i < texels->count; ++i) {
         float value[CHANNELS];
         btf_ref_view_value(&s->shared, lights, texels->column[i], texels->row[i], s->views.index[a], value);
-        if (!values_first)
+        if (!values_first) {
             to_radiance(material, value);
+        }
         add_weighted(out_rgb, value, (float)texels->weight[i] * 0x1p-16f);
     }
-    if (values_first)
+    if (values_first) {
         to_radiance(material, out_rgb);
+    }
 }
 
 /** A footprint of one texel. */
@@ -156,8 +160,9 @@ static void blend_lights(const scene *s, int a, float out_rgb[CHANNELS]) {
     }
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
     for (int b = 0; b < 3; ++b) {
-        if (lights.weight[b] == 0)
+        if (lights.weight[b] == 0) {
             continue;
+        }
         float radiance[CHANNELS];
         btf_ref_lights one = one_light(&lights, b);
         blend_texels(s, a, &one, radiance);
@@ -169,12 +174,14 @@ void btf_ref_evaluate_radiance_blend(const btf_ref_material *material, const btf
                                      int picks, float u, float v, const float light[3], const float view[3],
                                      float out_rgb[3]) {
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
-    if (!btf_ref_above_horizon(light, view))
+    if (!btf_ref_above_horizon(light, view)) {
         return;
+    }
     scene s = set_scene(material, options, picks, u, v, light, view);
     for (int a = 0; a < 3; ++a) {
-        if (s.views.weight[a] == 0)
+        if (s.views.weight[a] == 0) {
             continue;
+        }
         float radiance[CHANNELS];
         blend_lights(&s, a, radiance);
         add_weighted(out_rgb, radiance, (float)s.views.weight[a] * 0x1p-12f);
@@ -189,8 +196,9 @@ static int pick(const btf_ref_neighbours *neighbours, uint32_t random) {
     uint32_t number = random >> (32 - WEIGHT_BITS), end = 0;
     for (int i = 0; i < 2; ++i) {
         end += neighbours->weight[i];
-        if (number < end)
+        if (number < end) {
             return i;
+        }
     }
     return 2;
 }
@@ -204,8 +212,9 @@ static btf_ref_footprint pick_texel(const scene *s, int a, uint32_t random) {
     for (int axis = 0; axis < 2; ++axis) {
         uint32_t near, far, weight;
         btf_ref_bilinear(t[axis], size[axis], &near, &far, &weight);
-        if (s->options->filter == BTF_REF_STEEP)
+        if (s->options->filter == BTF_REF_STEEP) {
             weight = btf_ref_steep(weight);
+        }
         chosen[axis] = number[axis] < weight ? far : near;
     }
     return one_texel(chosen[0], size[1] - 1 - chosen[1]);
@@ -215,8 +224,9 @@ void btf_ref_evaluate_stochastic(const btf_ref_material *material, const btf_ref
                                  int picks, float u, float v, const float light[3], const float view[3],
                                  const uint32_t random[3], float out_rgb[3]) {
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
-    if (!btf_ref_above_horizon(light, view))
+    if (!btf_ref_above_horizon(light, view)) {
         return;
+    }
     scene s = set_scene(material, options, picks, u, v, light, view);
     int a = pick(&s.views, random[0]);
     btf_ref_neighbours around = lights_around(&s, a);
@@ -234,10 +244,12 @@ void btf_ref_evaluate_stochastic(const btf_ref_material *material, const btf_ref
 /** A level in 256ths, of those there are. */
 static uint32_t level_256ths(float level, uint32_t levels) {
     uint32_t bits = btf_ref_bits(level);
-    if (bits > 0x7F800000u || bits == 0) /* negative, NaN, 0 */
+    if (bits > 0x7F800000u || bits == 0) { /* negative, NaN, 0 */
         return 0;
-    if (level >= (float)(levels - 1))
+    }
+    if (level >= (float)(levels - 1)) {
         return (levels - 1) * 256;
+    }
     return (uint32_t)(level * 256.0f);
 }
 
@@ -258,8 +270,9 @@ void btf_ref_evaluate_radiance_blend_between(const btf_ref_material *levels, uin
     out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
     for (uint32_t i = 0; i < 2; ++i) {
         uint32_t weight = i == 0 ? 256 - share : share;
-        if (weight == 0)
+        if (weight == 0) {
             continue;
+        }
         float radiance[CHANNELS];
         btf_ref_evaluate_radiance_blend(&levels[at / 256 + i], options, picks, u, v, light, view, radiance);
         add_weighted(out_rgb, radiance, (float)weight * 0x1p-8f);

@@ -15,7 +15,7 @@ import re
 import sys
 
 # Folders whose files are held to it.
-FOLDERS = ('encoder', 'tests/bench')
+FOLDERS = ('decoder', 'encoder', 'reference', 'tests')
 # Files of these that are not yet.
 EXCEPT = ()
 

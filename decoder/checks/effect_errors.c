@@ -23,36 +23,43 @@ typedef struct table_kind {
 
 static btf_result check_limits(const btfi_check *check, const char *table, const char *name,
                                const float *limits, size_t bands) {
-    for (size_t i = 0; i <= bands; i++)
-        if (!(limits[i] >= 0 && limits[i] <= 90) || (i > 0 && !(limits[i] > limits[i - 1])))
+    for (size_t i = 0; i <= bands; i++) {
+        if (!(limits[i] >= 0 && limits[i] <= 90) || (i > 0 && !(limits[i] > limits[i - 1]))) {
             return btfi_fail(check->log, check->code,
                              "%s: limit %zu of the %s bands is %g; limits must rise within 0 to 90 degrees",
                              table, i, name, (double)limits[i]);
+        }
+    }
     return BTF_OK;
 }
 
 static btf_result check_effect_row(const btfi_check *check, const btf_material_info *info, const float *row,
                                    size_t index, size_t length) {
-    if (!is_integer(row[0], 0, BTF_EFFECT_ALL) || ((uint32_t)row[0] & ~info->effects) != 0)
+    if (!is_integer(row[0], 0, BTF_EFFECT_ALL) || ((uint32_t)row[0] & ~info->effects) != 0) {
         return btfi_fail(check->log, check->code,
                          "effect errors: row %zu decodes the effects %g, which the material does not have",
                          index, (double)row[0]);
+    }
     const bool residual = ((uint32_t)row[0] & BTF_EFFECT_RESIDUAL) != 0;
-    if (!is_integer(row[1], residual ? 1 : 0, residual ? info->components : 0))
+    if (!is_integer(row[1], residual ? 1 : 0, residual ? info->components : 0)) {
         return btfi_fail(check->log, check->code, "effect errors: row %zu has %g components", index,
                          (double)row[1]);
+    }
     if (!is_integer(row[2], 0, 4) || !is_integer(row[3], 0, info->levels - 1) ||
-        !(row[4] >= 0 && row[4] <= 0x1p62f))
+        !(row[4] >= 0 && row[4] <= 0x1p62f)) {
         return btfi_fail(check->log, check->code,
                          "effect errors: row %zu begins (effects, components, directions, level, bytes) "
                          "with (%g, %g, %g, %g, %g), of which a number is out of range",
                          index, (double)row[0], (double)row[1], (double)row[2], (double)row[3],
                          (double)row[4]);
-    for (size_t i = ROW_HEAD; i < length; i++)
-        if (!(row[i] >= 0 && row[i] <= 1))
+    }
+    for (size_t i = ROW_HEAD; i < length; i++) {
+        if (!(row[i] >= 0 && row[i] <= 1)) {
             return btfi_fail(check->log, check->code,
                              "effect errors: row %zu, number %zu is %g, not within 0 to 1", index, i,
                              (double)row[i]);
+        }
+    }
     return BTF_OK;
 }
 
@@ -60,41 +67,50 @@ static btf_result check_between_row(const btfi_check *check, const btf_material_
                                     const float *row, size_t index, size_t length) {
     const bool without_relief = row[0] == 5 || row[0] == 7, without_gloss = row[0] == 9 || row[0] == 11;
     if (!is_integer(row[0], 1, 3) && !(without_relief && info->effects & BTF_EFFECT_RELIEF) &&
-        !(without_gloss && info->effects & BTF_EFFECT_GLOSS))
+        !(without_gloss && info->effects & BTF_EFFECT_GLOSS)) {
         return btfi_fail(check->log, check->code,
                          "between errors: row %zu says that %g is left out; it must say 1 (view), 2 "
                          "(light) or 3 (both), and with the effect relief also 5 or 7, with gloss 9 or 11",
                          index, (double)row[0]);
-    for (size_t i = 1; i < length; i++)
-        if (!(row[i] >= 0 && row[i] <= 1) && !(row[i] == -1 && i >= ROW_HEAD))
+    }
+    for (size_t i = 1; i < length; i++) {
+        if (!(row[i] >= 0 && row[i] <= 1) && !(row[i] == -1 && i >= ROW_HEAD)) {
             return btfi_fail(check->log, check->code,
                              "between errors: row %zu, number %zu is %g, not within 0 to 1", index, i,
                              (double)row[i]);
+        }
+    }
     return BTF_OK;
 }
 
 static btf_result check_table(const btfi_check *check, const table_kind *kind,
                               const btf_material_info *info, const float *values, size_t count) {
-    if (count == 0)
+    if (count == 0) {
         return BTF_OK;
-    if (count < 6 || !is_integer(values[0], 1, BTF_MAX_BANDS) || !is_integer(values[1], 1, BTF_MAX_BANDS))
+    }
+    if (count < 6 || !is_integer(values[0], 1, BTF_MAX_BANDS) || !is_integer(values[1], 1, BTF_MAX_BANDS)) {
         return btfi_fail(check->log, check->code,
                          "%s: of %zu numbers the first two must be the counts of view and light bands, but "
                          "the first is %g",
                          kind->name, count, (double)values[0]);
+    }
     const size_t views = (size_t)values[0], lights = (size_t)values[1], head = 4 + views + lights;
     const size_t length = ROW_HEAD + 2 * views * lights;
-    if (count < head || (count - head) % length != 0 || (count - head) / length > kind->most)
+    if (count < head || (count - head) % length != 0 || (count - head) / length > kind->most) {
         return btfi_fail(check->log, check->code,
                          "%s: %zu numbers do not make a head of %zu and at most %zu rows of %zu",
                          kind->name, count, head, kind->most, length);
+    }
     btf_result result;
     if ((result = check_limits(check, kind->name, "view", values + 2, views)) ||
-        (result = check_limits(check, kind->name, "light", values + 3 + views, lights)))
+        (result = check_limits(check, kind->name, "light", values + 3 + views, lights))) {
         return result;
-    for (size_t i = 0; i < (count - head) / length; i++)
-        if ((result = kind->check_row(check, info, values + head + i * length, i, length)))
+    }
+    for (size_t i = 0; i < (count - head) / length; i++) {
+        if ((result = kind->check_row(check, info, values + head + i * length, i, length))) {
             return result;
+        }
+    }
     return BTF_OK;
 }
 
@@ -123,8 +139,9 @@ btf_between_errors btfi_between_errors_of(const float *values, size_t count) {
 
 btf_effect_errors btfi_effect_errors_of(const float *values, size_t count) {
     btf_effect_errors table = {0};
-    if (!values)
+    if (!values) {
         return table;
+    }
     table.view_bands = (uint32_t)values[0];
     table.light_bands = (uint32_t)values[1];
     table.view_limits = values + 2;

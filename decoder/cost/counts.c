@@ -60,8 +60,9 @@ static void add_codes(btf_decode_counts *n, const btf_material_info *info, const
         fetch(n, code ? points : 0, 1);
         fetch(n, shift ? points : 0, 2);
     }
-    if (w->effects & BTF_EFFECT_HIDDEN)
+    if (w->effects & BTF_EFFECT_HIDDEN) {
         fetch(n, (double)w->views * w->texels * w->lights, 4);
+    }
 }
 
 /* pow of FORMAT.md section 8: log2 has 18 float operations and 4 of integers, the product 1, exp2 16 and 2.
@@ -75,8 +76,9 @@ static void add_pow(btf_decode_counts *n, double count, bool fast) {
 static void add_sbrdf(btf_decode_counts *n, const btf_material_info *info, const way *w) {
     const double points = (double)w->views * w->texels, lobes = info->lobes;
     const bool mono = info->colour == BTF_COLOUR_MONO;
-    if (info->colour == BTF_COLOUR_NONE)
+    if (info->colour == BTF_COLOUR_NONE) {
         return;
+    }
     fetch(n, points * (mono ? 1 + lobes : (3 + 3 * info->lobes + 3) / 4 + lobes),
           info->half_float ? 8 : 16);
     add_pow(n, points * lobes, w->fast);
@@ -151,28 +153,32 @@ static void add_factors(btf_decode_counts *n, const btf_material_info *info, con
         const uint32_t most = info->factor_classes[c][0], here = most < units ? most : units;
         const uint32_t mixed =
             c == 0 ? here : units_of_words(info->factor_classes[c][1] + info->factor_classes[c][2], here);
-        for (uint32_t i = 0; i < rounds * here; i++)
+        for (uint32_t i = 0; i < rounds * here; i++) {
             add_unit(n, &classes[c], i < rounds * mixed, views, relief ? views : 1, w);
+        }
         tiers[classes[c].tier] += here;
         units -= here;
     }
-    for (int t = 0; t < 3; t++)
+    for (int t = 0; t < 3; t++) {
         if (tiers[t] > 0) {
             fetch(n, w->views, 16);
             n->floats += 6.0 * w->views * w->texels;
         }
+    }
     n->floats += 6.0 * w->views * w->texels;
 }
 
 /* The vectors of `views` views. Along a relief the pixel marches once, whichever its filter, and where there are several
  * views each once. Gloss moves the light for each of the views that are evaluated, by 95 operations and a power. */
 static void add_between(btf_decode_counts *n, const btf_material_info *info, const way *w, uint32_t views) {
-    if (w->effects & BTFI_VECTOR_EFFECTS)
+    if (w->effects & BTFI_VECTOR_EFFECTS) {
         fetch(n, views, 16);
+    }
     if (w->effects & BTF_EFFECT_RELIEF) {
         n->moves += 1 + views;
-        if (info->relief_step > 0)
+        if (info->relief_step > 0) {
             n->steps += (info->relief_steps + 1.0) * (views > 1 ? 1 + views : 1);
+        }
     }
     if (w->effects & BTF_EFFECT_GLOSS) {
         n->floats += 60.0 * w->views;
@@ -198,8 +204,9 @@ static btf_decode_counts count_folded(const btf_material_info *info, const btf_s
 btf_decode_counts btfi_count_decode(const btf_material_info *info, const btf_shader_options *o,
                                     const btfi_around *around) {
     way w = way_of(info, o, around);
-    if (o->fold != BTF_FOLD_NONE)
+    if (o->fold != BTF_FOLD_NONE) {
         return count_folded(info, o, &w);
+    }
     const uint32_t codes = BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN;
     const bool gloss = w.effects & BTF_EFFECT_GLOSS,
                lit = w.components > 0 || w.effects & BTF_EFFECT_HIDDEN ||
@@ -213,26 +220,30 @@ btf_decode_counts btfi_count_decode(const btf_material_info *info, const btf_sha
     }
     btf_decode_counts n = {.pixels = 1, .points = (double)w.views * w.texels};
     n.look_ups = (w.fixed_view ? 0 : 1) + (!lit || w.fixed_light ? 0 : gloss ? w.views : 1);
-    if (!lit)
+    if (!lit) {
         w.effects &= ~(uint32_t)BTF_EFFECT_GLOSS;
+    }
     add_codes(&n, info, &w);
     add_between(&n, info, &w, marched);
-    if (w.components > 0 && info->store == BTF_STORE_FACTORS && !is_apart(&w))
+    if (w.components > 0 && info->store == BTF_STORE_FACTORS && !is_apart(&w)) {
         add_factors(&n, info, &w);
+    }
     const double before = n.integers + n.floats;
     add_sbrdf(&n, info, &w);
-    if (w.components > 0 && info->store == BTF_STORE_FACTORS && is_apart(&w))
+    if (w.components > 0 && info->store == BTF_STORE_FACTORS && is_apart(&w)) {
         add_factors(&n, info, &w);
-    else if (w.components > 0 && info->store == BTF_STORE_COMPONENTS)
+    } else if (w.components > 0 && info->store == BTF_STORE_COMPONENTS) {
         add_components(&n, &w);
+    }
     n.masked = w.stochastic ? 0 : n.integers + n.floats - before;
     return n;
 }
 
 btf_decode_counts btf_count_decode(const btf_material_info *info, const btf_shader_options *options) {
     btf_shader_options o = {.struct_size = sizeof o};
-    if (options)
+    if (options) {
         memcpy(&o, options, options->struct_size < sizeof o ? options->struct_size : sizeof o);
+    }
     const bool nearest = o.interpolation == BTF_INTERPOLATION_NEAREST,
                gloss = info->effects & ~o.leave_out & BTF_EFFECT_GLOSS;
     const btfi_around around = {.views = nearest || o.fixed & BTF_FIXED_VIEW ? 1 : 3,

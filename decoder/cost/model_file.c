@@ -38,15 +38,17 @@ static double *price_of(btf_cost_model *m, int key) {
 }
 
 static void skip_space(reader *r) {
-    while (r->at < r->end && memchr(" \t\r\n", *r->at, 4))
+    while (r->at < r->end && memchr(" \t\r\n", *r->at, 4)) {
         r->at++;
+    }
 }
 
 /* Takes a character, behind space, if it is the next. */
 static bool take(reader *r, char c) {
     skip_space(r);
-    if (r->at == r->end || *r->at != c)
+    if (r->at == r->end || *r->at != c) {
         return false;
+    }
     r->at++;
     return true;
 }
@@ -59,16 +61,18 @@ static btf_result expected(const reader *r, const char *what) {
 /* The byte that an escape stands for; 0 for one that there is not. Other than ASCII is shown as '?'. */
 static char read_escape(reader *r) {
     static const char names[] = "\"\\/bfnrt", bytes[] = "\"\\/\b\f\n\r\t";
-    if (r->at == r->end)
+    if (r->at == r->end) {
         return 0;
+    }
     const char c = *r->at++;
     if (c == 'u') {
         unsigned code = 0;
         for (int i = 0; i < 4; i++, r->at++) {
             static const char digits[] = "0123456789abcdef0123456789ABCDEF";
             const char *digit = r->at < r->end && *r->at ? strchr(digits, *r->at) : NULL;
-            if (!digit)
+            if (!digit) {
                 return 0;
+            }
             code = 16 * code + (unsigned)(digit - digits) % 16;
         }
         return code >= 0x20 && code < 0x7F ? (char)code : '?';
@@ -80,16 +84,20 @@ static char read_escape(reader *r) {
 /* A string, cut off where `out` is full. */
 static btf_result read_string(reader *r, const char *what, char *out, size_t size) {
     size_t length = 0;
-    if (!take(r, '"'))
+    if (!take(r, '"')) {
         return expected(r, what);
+    }
     while (r->at < r->end && *r->at != '"') {
         char c = *r->at++;
-        if ((unsigned char)c < 0x20)
+        if ((unsigned char)c < 0x20) {
             return expected(r, "no control character in a string");
-        if (c == '\\' && !(c = read_escape(r)))
+        }
+        if (c == '\\' && !(c = read_escape(r))) {
             return expected(r, "an escape of JSON");
-        if (length + 1 < size)
+        }
+        if (length + 1 < size) {
             out[length++] = c;
+        }
     }
     out[length] = 0;
     return take(r, '"') ? BTF_OK : expected(r, "\" at the end of a string");
@@ -97,8 +105,9 @@ static btf_result read_string(reader *r, const char *what, char *out, size_t siz
 
 static int count_digits(reader *r, double *value) {
     int count = 0;
-    for (; r->at < r->end && *r->at >= '0' && *r->at <= '9'; r->at++, count++)
+    for (; r->at < r->end && *r->at >= '0' && *r->at <= '9'; r->at++, count++) {
         *value = 10 * *value + (*r->at - '0');
+    }
     return count;
 }
 
@@ -109,23 +118,27 @@ static bool read_number(reader *r, double *out) {
     skip_space(r);
     const bool negative = take(r, '-'), zero = r->at < r->end && *r->at == '0';
     const int digits = count_digits(r, &value);
-    if (digits == 0 || (zero && digits > 1))
+    if (digits == 0 || (zero && digits > 1)) {
         return false;
+    }
     if (r->at < r->end && *r->at == '.') {
         r->at++;
-        if ((decimals = count_digits(r, &value)) == 0)
+        if ((decimals = count_digits(r, &value)) == 0) {
             return false;
+        }
     }
     if (r->at < r->end && (*r->at == 'e' || *r->at == 'E')) {
         r->at++;
         const bool down = r->at < r->end && *r->at == '-';
         r->at += r->at < r->end && (*r->at == '-' || *r->at == '+');
-        if (count_digits(r, &power) == 0)
+        if (count_digits(r, &power) == 0) {
             return false;
+        }
         power = down ? -power : power;
     }
     const double exponent = power - decimals, magnitude = value == 0 ? 1 : pow(10, fabs(exponent));
-    value = exponent < 0 ? value / magnitude : value * magnitude; /* a power of 10 up to 10^22 is exact, its inverse is not */
+    value = exponent < 0 ? value / magnitude
+                         : value * magnitude; /* a power of 10 up to 10^22 is exact, its inverse is not */
     *out = negative ? -value : value;
     return true;
 }
@@ -133,11 +146,13 @@ static bool read_number(reader *r, double *out) {
 /* The value as the file writes it, for messages. */
 static const char *word_at(const reader *r, const char *from, char out[MOST_WORD + 1]) {
     size_t length = 0;
-    while (from < r->end && memchr(" \t\r\n", *from, 4))
+    while (from < r->end && memchr(" \t\r\n", *from, 4)) {
         from++;
+    }
     while (from + length < r->end && length < MOST_WORD && (unsigned char)from[length] > 0x20 &&
-           !strchr(",{}[]", from[length]))
+           !strchr(",{}[]", from[length])) {
         length++;
+    }
     memcpy(out, from, length);
     out[length] = 0;
     return length > 0 ? out : "nothing";
@@ -146,55 +161,69 @@ static const char *word_at(const reader *r, const char *from, char out[MOST_WORD
 static btf_result read_value(reader *r, int key) {
     char word[MOST_WORD + 1];
     double value;
-    if (key == KEY_DEVICE)
+    if (key == KEY_DEVICE) {
         return read_string(r, "a string after \"device\"", r->model->device, sizeof r->model->device);
+    }
     const char *from = r->at;
     const bool is_number = read_number(r, &value);
     skip_space(r);
-    if (is_number && r->at < r->end && *r->at != ',' && *r->at != '}' && strchr(" \t\r\n", r->at[-1]))
+    if (is_number && r->at < r->end && *r->at != ',' && *r->at != '}' && strchr(" \t\r\n", r->at[-1])) {
         return expected(r, ", or }");
-    if (!is_number || (r->at < r->end && *r->at != ',' && *r->at != '}'))
+    }
+    if (!is_number || (r->at < r->end && *r->at != ',' && *r->at != '}')) {
         return btfi_fail(r->log, BTF_ERROR_BAD_FILE, "%s: %s is %s, not a number", r->name, keys[key],
                          word_at(r, from, word));
-    if (key == KEY_VERSION && value != VERSION)
+    }
+    if (key == KEY_VERSION && value != VERSION) {
         return btfi_fail(r->log, BTF_ERROR_BAD_FILE, "%s: openbtf_costs is %s; this library reads %d",
                          r->name, word_at(r, from, word), VERSION);
-    if (!(value >= 0 && value <= dearest))
+    }
+    if (!(value >= 0 && value <= dearest)) {
         return btfi_fail(r->log, BTF_ERROR_BAD_FILE, "%s: %s is %s, not within 0 to %g", r->name, keys[key],
                          word_at(r, from, word), dearest);
-    if (key < PRICES)
+    }
+    if (key < PRICES) {
         *price_of(r->model, key) = value;
+    }
     return BTF_OK;
 }
 
 static btf_result read_member(reader *r) {
     char name[MOST_WORD + 1];
     btf_result result = read_string(r, "a key in quotes", name, sizeof name);
-    if (result)
+    if (result) {
         return result;
+    }
     int key = 0;
-    while (key < KEYS && strcmp(name, keys[key]) != 0)
+    while (key < KEYS && strcmp(name, keys[key]) != 0) {
         key++;
-    if (key == KEYS)
+    }
+    if (key == KEYS) {
         return btfi_fail(r->log, BTF_ERROR_BAD_FILE, "%s: unknown key \"%s\"", r->name, name);
-    if (r->seen[key])
+    }
+    if (r->seen[key]) {
         return btfi_fail(r->log, BTF_ERROR_BAD_FILE, "%s: %s is there twice", r->name, name);
+    }
     r->seen[key] = true;
-    if (!take(r, ':'))
+    if (!take(r, ':')) {
         return expected(r, "a colon");
+    }
     return read_value(r, key);
 }
 
 static btf_result read_object(reader *r) {
     btf_result result;
-    if (!take(r, '{'))
+    if (!take(r, '{')) {
         return expected(r, "{, the start of a cost model");
+    }
     do {
-        if ((result = read_member(r)))
+        if ((result = read_member(r))) {
             return result;
+        }
     } while (take(r, ','));
-    if (!take(r, '}'))
+    if (!take(r, '}')) {
         return expected(r, ", or }");
+    }
     skip_space(r);
     return r->at == r->end ? BTF_OK : expected(r, "the end of the file");
 }
@@ -204,27 +233,34 @@ btf_result btf_cost_model_read(const char *text, size_t size, const char *name, 
     btf_cost_model model = {.struct_size = sizeof model};
     reader r = {text, text, text + size, name, log, &model, {false}};
     double sum = 0;
-    if (size > MOST_BYTES)
+    if (size > MOST_BYTES) {
         return btfi_fail(log, BTF_ERROR_BAD_FILE, "%s: %zu bytes; a cost model has %d at most", name, size,
                          MOST_BYTES);
+    }
     const btf_result result = read_object(&r);
-    if (result)
+    if (result) {
         return result;
-    for (int key = 0; key <= KEY_VERSION; key++)
-        if (!r.seen[key])
+    }
+    for (int key = 0; key <= KEY_VERSION; key++) {
+        if (!r.seen[key]) {
             return btfi_fail(log, BTF_ERROR_BAD_FILE, "%s: %s is missing", name, keys[key]);
-    for (int i = 0; i < PRICES; i++)
+        }
+    }
+    for (int i = 0; i < PRICES; i++) {
         sum += *price_of(&model, i);
-    if (sum == 0)
+    }
+    if (sum == 0) {
         return btfi_fail(log, BTF_ERROR_BAD_FILE, "%s: every price is 0", name);
+    }
     *out_model = model;
     return BTF_OK;
 }
 
 btf_result btf_cost_model_open(const char *path, const btf_log *log, btf_cost_model *out_model) {
     FILE *file = fopen(path, "rb");
-    if (!file)
+    if (!file) {
         return btfi_fail(log, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
+    }
     char *text = malloc(MOST_BYTES + 1);
     const size_t size = text ? fread(text, 1, MOST_BYTES + 1, file) : 0;
     const int error = ferror(file) ? errno : 0;

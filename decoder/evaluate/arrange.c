@@ -42,8 +42,9 @@ static int source_byte(int class_index, int to) {
 static btf_result make_units(const btf_material *material, btf_evaluator *e) {
     const float *scales = btf_material_texture(material, BTF_TEXTURE_FACTOR_SCALES).data;
     e->units = calloc(e->info.components, sizeof *e->units);
-    if (!e->units)
+    if (!e->units) {
         return BTF_ERROR_MEMORY;
+    }
     btfi_unit *unit = e->units;
     for (uint8_t c = 0; c < BTFI_CLASSES; c++) {
         const uint32_t *counts = e->info.factor_classes[c];
@@ -66,15 +67,18 @@ static btf_result make_w(const btf_material *material, btf_evaluator *e) {
     const uint32_t *stored = btf_material_texture(material, BTF_TEXTURE_FACTOR_DIRECTIONS).data;
     const size_t pairs = (size_t)e->info.n_views * e->info.n_lights, units = e->info.components;
     e->w = malloc(pairs * units * BTFI_UNIT_BYTES);
-    if (!e->w)
+    if (!e->w) {
         return BTF_ERROR_MEMORY;
-    for (size_t pair = 0; pair < pairs; pair++)
+    }
+    for (size_t pair = 0; pair < pairs; pair++) {
         for (size_t unit = 0; unit < units; unit++) {
             const uint32_t *from = stored + WORDS * (unit * pairs + pair);
             uint8_t *to = e->w + BTFI_UNIT_BYTES * (pair * units + unit);
-            for (size_t j = 0; j < BTFI_UNIT_BYTES; j++)
+            for (size_t j = 0; j < BTFI_UNIT_BYTES; j++) {
                 to[j] = (uint8_t)(from[j / 4] >> 8 * (j % 4));
+            }
         }
+    }
     return BTF_OK;
 }
 
@@ -83,8 +87,9 @@ static btf_result make_u(const btf_material *material, uint32_t level, btf_evalu
     const uint32_t *stored = btf_material_level_texture(material, level, BTF_TEXTURE_FACTOR_TEXELS).data;
     const size_t texels = (size_t)l->width * l->height;
     l->u = malloc(texels * e->u_bytes);
-    if (!l->u)
+    if (!l->u) {
         return BTF_ERROR_MEMORY;
+    }
     size_t layer = 0;
     for (size_t i = 0; i < e->info.components; i++) {
         const btfi_unit *unit = &e->units[i];
@@ -96,9 +101,10 @@ static btf_result make_u(const btf_material *material, uint32_t level, btf_evalu
         }
         for (size_t texel = 0; texel < texels; texel++) {
             uint8_t *u = l->u + texel * e->u_bytes + unit->u;
-            for (size_t to = 0; to < bytes; to++)
+            for (size_t to = 0; to < bytes; to++) {
                 u[to] = (uint8_t)(stored[WORDS * ((layer + from[to] / 16) * texels + texel) + word[to]] >>
                                   8 * (from[to] % 4));
+            }
         }
         layer += classes[unit->class_index].u_texels;
     }
@@ -111,13 +117,16 @@ static btf_result make_components(const btf_material *material, btf_evaluator *e
     const size_t pairs = (size_t)e->info.n_views * e->info.n_lights, k = e->info.components;
     e->v = calloc(pairs * k, 4);
     e->scales = malloc(k * sizeof *e->scales);
-    if (!e->v || !e->scales)
+    if (!e->v || !e->scales) {
         return BTF_ERROR_MEMORY;
+    }
     for (size_t j = 0; j < k; j++) {
         e->scales[j] = scales[j] * 0x1p-12f;
-        for (size_t pair = 0; pair < pairs; pair++)
-            for (size_t c = 0; c < 3; c++)
+        for (size_t pair = 0; pair < pairs; pair++) {
+            for (size_t c = 0; c < 3; c++) {
                 e->v[4 * (pair * k + j) + c] = stored[4 * ((3 * (j / 4) + c) * pairs + pair) + j % 4];
+            }
+        }
     }
     return BTF_OK;
 }
@@ -127,28 +136,34 @@ static btf_result make_texel_components(const btf_material *material, uint32_t l
     const int8_t *stored = btf_material_level_texture(material, level, BTF_TEXTURE_RESIDUAL_TEXELS).data;
     const size_t texels = (size_t)l->width * l->height, k = e->info.components;
     l->components = malloc(texels * k);
-    if (!l->components)
+    if (!l->components) {
         return BTF_ERROR_MEMORY;
-    for (size_t texel = 0; texel < texels; texel++)
-        for (size_t j = 0; j < k; j++)
+    }
+    for (size_t texel = 0; texel < texels; texel++) {
+        for (size_t j = 0; j < k; j++) {
             l->components[texel * k + j] = stored[4 * (j / 4 * texels + texel) + j % 4];
+        }
+    }
     return BTF_OK;
 }
 
 btf_result btfi_arrange_residual(const btf_material *material, btf_evaluator *e) {
     btf_result result = BTF_OK;
     if (e->factors_stored) {
-        if ((result = make_units(material, e)) || (result = make_w(material, e)))
+        if ((result = make_units(material, e)) || (result = make_w(material, e))) {
             return result;
+        }
     } else if (e->components_stored) {
-        if ((result = make_components(material, e)))
+        if ((result = make_components(material, e))) {
             return result;
+        }
     }
     for (uint32_t i = 0; i < e->info.levels && !result; i++) {
-        if (e->factors_stored)
+        if (e->factors_stored) {
             result = make_u(material, i, e);
-        else if (e->components_stored)
+        } else if (e->components_stored) {
             result = make_texel_components(material, i, e);
+        }
     }
     return result;
 }

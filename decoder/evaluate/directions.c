@@ -39,15 +39,17 @@ static int32_t fraction(int32_t part, int32_t whole, uint32_t shift) {
 static void keep(bool linear, const uint32_t index[3], const int32_t weight[3], btfi_neighbours *out) {
     if (!linear) {
         int best = 0;
-        for (int i = 1; i < 3; i++)
+        for (int i = 1; i < 3; i++) {
             best = weight[i] > weight[best] ? i : best;
+        }
         *out = (btfi_neighbours){1, {index[best], index[best], index[best]}, {4096, 0, 0}, {0}};
         return;
     }
     int count = 0;
     for (int i = 0; i < 3; i++) {
-        if (weight[i] == 0)
+        if (weight[i] == 0) {
             continue;
+        }
         out->index[count] = index[i];
         out->place[count] = (uint8_t)i;
         out->weight[count++] = weight[i];
@@ -75,8 +77,9 @@ static void look_up(const uint16_t *table, uint32_t grid, bool linear, const flo
         if (r[7] % 2 == 0) {
             const int32_t e0 = cross(bx, by, cx, cy), e1 = cross(cx, cy, ax, ay),
                           e2 = cross(ax, ay, bx, by);
-            if ((e0 | e1 | e2) < 0)
+            if ((e0 | e1 | e2) < 0) {
                 continue;
+            }
             const int32_t area = e0 + e1 + e2;
             const int32_t w0 = fraction(e0, area, shift), w1 = fraction(e1, area, shift);
             keep(linear, (const uint32_t[3]){r[8], r[9], r[6]}, (const int32_t[3]){w0, w1, 4096 - w0 - w1},
@@ -123,8 +126,9 @@ static void gloss(const btf_evaluator *e, bool linear, const float sampled[3], c
     }
     const float r = btfi_reciprocal(within(dot(h, h), 0.5f, 4.0f)), hd = dot(h, d), k = (hd + hd) * r;
     const float share = (float)e->info.gloss_share * 0.25f;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         c[i] = light[i] + (h[i] * k + -d[i]) * share;
+    }
     c[2] = c[2] >= 0.0f ? c[2] : 0.0f;
     const float n = btfi_pow(dot(c, c), 0.5f);
     look_up(e->light_table, e->light_grid, linear, c, btfi_reciprocal(within(n + c[2], 0.5f, 4.0f)), out);
@@ -132,19 +136,21 @@ static void gloss(const btf_evaluator *e, bool linear, const float sampled[3], c
 
 bool btfi_look_up(const btf_evaluator *e, const btfi_way *way, const float light[3], const float view[3],
                   btfi_situation *out) {
-    if (!above_horizon(light, view))
+    if (!above_horizon(light, view)) {
         return false;
+    }
     const bool root = e->info.domain == BTF_DOMAIN_SQRT;
     look_up(e->view_table, e->view_grid, way->linear, view, btfi_reciprocal(view[2] + 1.0f), &out->views);
     look_up(e->light_table, e->light_grid, way->linear, light, btfi_reciprocal(light[2] + 1.0f),
             &out->lights[0]);
     const btfi_neighbours plain = out->lights[0];
     for (int a = 0; a < out->views.count; a++) {
-        if (way->effects & BTF_EFFECT_GLOSS)
+        if (way->effects & BTF_EFFECT_GLOSS) {
             gloss(e, way->linear, e->view_vectors + 4 * (size_t)out->views.index[a], light, view, &plain,
                   &out->lights[a]);
-        else
+        } else {
             out->lights[a] = plain;
+        }
     }
     for (int i = 0; i < 3; i++) {
         out->view[i] = view[i];

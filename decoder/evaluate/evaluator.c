@@ -18,18 +18,21 @@ static btf_result find_centres(const btf_material *material, btf_evaluator *e) {
     const btf_material_info *info = &e->info;
     const bool tight = info->layout == BTF_LAYOUT_TIGHT;
     e->centre_texels = tight ? btf_material_texture(material, BTF_TEXTURE_CENTRES).data : e->maps;
-    if (info->centres == 0)
+    if (info->centres == 0) {
         return BTF_OK;
+    }
     e->centre_at = malloc(info->centres * sizeof *e->centre_at);
-    if (!e->centre_at)
+    if (!e->centre_at) {
         return BTF_ERROR_MEMORY;
+    }
     const uint32_t blocks = (info->centres + CENTRE_ROWS - 1) / CENTRE_ROWS,
                    rows = (info->centres + blocks - 1) / blocks;
     e->centre_step = tight ? 1 : info->atlas_width;
     for (uint32_t i = 0; i < info->centres; i++) {
         uint32_t x = i / rows * info->n_lights, y = i % rows;
-        if (!tight)
+        if (!tight) {
             btf_material_atlas_centre(info, i, &x, &y);
+        }
         e->centre_at[i] = y * (tight ? blocks * info->n_lights : info->atlas_width) + x;
     }
     return BTF_OK;
@@ -64,28 +67,33 @@ static btf_result fill(const btf_material *material, btf_evaluator *e) {
     e->factor_views = btf_material_texture(material, BTF_TEXTURE_FACTOR_VIEWS).data;
     e->maps = btf_material_texture(material, BTF_TEXTURE_MAPS).data;
     e->kernels = btfi_kernels_of(BTFI_ISA_AVX2);
-    for (uint32_t i = 0; i < e->info.levels; i++)
+    for (uint32_t i = 0; i < e->info.levels; i++) {
         find_level(material, i, e);
+    }
     const btf_result result = find_centres(material, e);
     return result ? result : btfi_arrange_residual(material, e);
 }
 
 btf_result btf_evaluator_create(const btf_material *material, const btf_log *log,
                                 btf_evaluator **out_evaluator) {
-    if (!out_evaluator)
+    if (!out_evaluator) {
         return BTF_ERROR_USAGE;
+    }
     *out_evaluator = NULL;
-    if (!material)
+    if (!material) {
         return BTF_ERROR_USAGE;
-    if (!btfi_build_is_sound())
+    }
+    if (!btfi_build_is_sound()) {
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED,
                          "this build does not round floats as FORMAT.md demands");
+    }
     btf_evaluator *e = calloc(1, sizeof *e);
     btf_result result = e ? BTF_OK : BTF_ERROR_MEMORY;
     if (e) {
         e->info.struct_size = sizeof e->info;
-        if (!(result = btf_material_get_info(material, &e->info)))
+        if (!(result = btf_material_get_info(material, &e->info))) {
             result = fill(material, e);
+        }
     }
     if (result) {
         btf_evaluator_destroy(&e);
@@ -97,8 +105,9 @@ btf_result btf_evaluator_create(const btf_material *material, const btf_log *log
 
 void btf_evaluator_destroy(btf_evaluator **evaluator) {
     btf_evaluator *e = evaluator ? *evaluator : NULL;
-    if (!e)
+    if (!e) {
         return;
+    }
     for (int i = 0; i < BTF_MAX_LEVELS; i++) {
         free(e->levels[i].u);
         free(e->levels[i].components);

@@ -77,16 +77,18 @@ BTFI_INLINE float btfi_pow(float base, float exponent) {
 /* 1 / x by section 8's Newton steps; 0.5 <= x <= 4. */
 BTFI_INLINE float btfi_reciprocal(float x) {
     float r = btfi_float(0x7EF311C7u - btfi_bits(x));
-    for (int step = 0; step < 4; step++)
+    for (int step = 0; step < 4; step++) {
         r = r * (2.0f - x * r);
+    }
     return r;
 }
 
 /* Half to float: every half that section 2 accepts, and the rest too. */
 BTFI_INLINE float btfi_half(uint16_t half) {
     const uint32_t sign = (uint32_t)(half & 0x8000u) << 16, magnitude = half & 0x7FFFu;
-    if (magnitude < 0x400u) /* zero, denormal */
+    if (magnitude < 0x400u) { /* zero, denormal */
         return btfi_float(sign | btfi_bits((float)magnitude * 0x1p-24f));
+    }
     return btfi_float(sign | ((magnitude << 13) + (magnitude < 0x7C00u ? 112u << 23 : 224u << 23)));
 }
 

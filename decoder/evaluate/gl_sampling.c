@@ -30,9 +30,10 @@ static btf_result upload(btf_gl_light_sampling *s, int i, const picture *p, cons
     const btfi_gl_functions *api = &s->api;
     int32_t side = 0;
     api->GetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
-    if ((int64_t)p->width > side || (int64_t)p->height > side)
+    if ((int64_t)p->width > side || (int64_t)p->height > side) {
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "%s: %u x %u texels exceed GL_MAX_TEXTURE_SIZE %d",
                          names[i], (unsigned)p->width, (unsigned)p->height, (int)side);
+    }
     api->GenTextures(1, &s->texture[i]);
     api->BindTexture(GL_TEXTURE_2D, s->texture[i]);
     api->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
@@ -45,22 +46,26 @@ static btf_result upload(btf_gl_light_sampling *s, int i, const picture *p, cons
                     p->format[1], p->format[2], p->data);
     s->bytes += p->texel * p->width * p->height;
     const uint32_t error = btfi_gl_errors(api);
-    if (error != GL_NO_ERROR)
+    if (error != GL_NO_ERROR) {
         return btfi_fail(log, error == GL_OUT_OF_MEMORY ? BTF_ERROR_MEMORY : BTF_ERROR_UNSUPPORTED,
                          "%s: GL refuses %u x %u texels with error 0x%04x", names[i], (unsigned)p->width,
                          (unsigned)p->height, (unsigned)error);
+    }
     return BTF_OK;
 }
 
 btf_result btf_gl_light_sampling_create(const btf_light_sampling *sampling, const btf_gl_options *options,
                                         const btf_log *log, btf_gl_light_sampling **out_sampling) {
-    if (out_sampling)
+    if (out_sampling) {
         *out_sampling = NULL;
-    if (!sampling || !out_sampling)
+    }
+    if (!sampling || !out_sampling) {
         return btfi_fail(log, BTF_ERROR_USAGE, "sampling: tables or the result are missing");
+    }
     btf_gl_light_sampling *s = calloc(1, sizeof *s);
-    if (!s)
+    if (!s) {
         return btfi_fail(log, BTF_ERROR_MEMORY, "sampling: out of memory");
+    }
     btf_result result = btfi_gl_load(options, log, &s->api);
     if (result != BTF_OK) {
         free(s);
@@ -83,12 +88,14 @@ btf_result btf_gl_light_sampling_create(const btf_light_sampling *sampling, cons
     btfi_gl_errors(&s->api);
     s->api.GetIntegerv(GL_TEXTURE_BINDING_2D, &bound);
     btfi_gl_save_unpack(&s->api, &unpack);
-    for (int i = 0; i < TEXTURES && result == BTF_OK; ++i)
+    for (int i = 0; i < TEXTURES && result == BTF_OK; ++i) {
         result = upload(s, i, &pictures[i], log);
+    }
     btfi_gl_restore_unpack(&s->api, &unpack);
     s->api.BindTexture(GL_TEXTURE_2D, (uint32_t)bound);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         btf_gl_light_sampling_destroy(&s);
+    }
     *out_sampling = s;
     return result;
 }
@@ -99,16 +106,18 @@ void btf_gl_light_sampling_bind(btf_gl_light_sampling *sampling, uint32_t progra
     uint32_t units = 0;
     int32_t current = 0, active = 0, deleted = 0;
     api->GetIntegerv(GL_CURRENT_PROGRAM, &current);
-    if (current) /* as in btf_gl_bind */
+    if (current) { /* as in btf_gl_bind */
         api->GetProgramiv((uint32_t)current, GL_DELETE_STATUS, &deleted);
+    }
     api->GetIntegerv(GL_ACTIVE_TEXTURE, &active);
     api->UseProgram(program);
     for (int i = 0; i < TEXTURES; ++i) {
         char name[96];
         snprintf(name, sizeof name, "%.48s_%s", prefix ? prefix : "btf", names[i]);
         const int32_t location = api->GetUniformLocation(program, name);
-        if (location < 0)
+        if (location < 0) {
             continue;
+        }
         const uint32_t unit = first_unit + units++;
         api->ActiveTexture(GL_TEXTURE0 + unit);
         api->BindTexture(GL_TEXTURE_2D, sampling->texture[i]);
@@ -117,8 +126,9 @@ void btf_gl_light_sampling_bind(btf_gl_light_sampling *sampling, uint32_t progra
     }
     api->UseProgram(deleted ? 0 : (uint32_t)current);
     api->ActiveTexture((uint32_t)active);
-    if (out_units)
+    if (out_units) {
         *out_units = units;
+    }
 }
 
 size_t btf_gl_light_sampling_bytes(const btf_gl_light_sampling *sampling) {
@@ -126,11 +136,14 @@ size_t btf_gl_light_sampling_bytes(const btf_gl_light_sampling *sampling) {
 }
 
 void btf_gl_light_sampling_destroy(btf_gl_light_sampling **sampling) {
-    if (!sampling || !*sampling)
+    if (!sampling || !*sampling) {
         return;
-    for (int i = 0; i < TEXTURES; ++i)
-        if ((*sampling)->texture[i])
+    }
+    for (int i = 0; i < TEXTURES; ++i) {
+        if ((*sampling)->texture[i]) {
             (*sampling)->api.DeleteTextures(1, &(*sampling)->texture[i]);
+        }
+    }
     free(*sampling);
     *sampling = NULL;
 }

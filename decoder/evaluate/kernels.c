@@ -41,8 +41,9 @@ BTFI_INLINE void light_codes(const lit *at, size_t unit, int bits, signed_halves
     const uint8_t mask = (uint8_t)((1 << bits) - 1);
     const uint16_t middle = (uint16_t)(2048 * mask);
     bytes from[LIGHTS];
-    for (int b = 0; b < LIGHTS; b++)
+    for (int b = 0; b < LIGHTS; b++) {
         load(at->w[b] + UNIT * unit, &from[b]);
+    }
     for (int part = 0; part < 8 / bits; part++) {
         const bytes a = from[0] >> bits * part & mask, b = from[1] >> bits * part & mask,
                     c = from[2] >> bits * part & mask;
@@ -54,8 +55,9 @@ BTFI_INLINE void light_codes(const lit *at, size_t unit, int bits, signed_halves
 
 BTFI_INLINE void light_bytes(const lit *at, size_t unit, words *out) {
     bytes from[LIGHTS];
-    for (int b = 0; b < LIGHTS; b++)
+    for (int b = 0; b < LIGHTS; b++) {
         load(at->w[b] + UNIT * unit, &from[b]);
+    }
     *out = __builtin_convertvector((signed_bytes)from[0], words) * (int32_t)at->weight[0] +
            __builtin_convertvector((signed_bytes)from[1], words) * (int32_t)at->weight[1] +
            __builtin_convertvector((signed_bytes)from[2], words) * (int32_t)at->weight[2];
@@ -72,8 +74,9 @@ BTFI_INLINE void few_levels(const bytes *from, int down, int bits, signed_halves
 BTFI_INLINE void texel_levels(int class_index, const uint8_t *u, signed_halves *out) {
     bytes from[2];
     load(u, &from[0]);
-    if (class_index == 1 || class_index == 3)
+    if (class_index == 1 || class_index == 3) {
         load(u + UNIT, &from[1]);
+    }
     switch (class_index) {
     case 1:
         out[0] = (signed_halves)(2 * __builtin_convertvector(from[0], halves) - 255);
@@ -84,12 +87,14 @@ BTFI_INLINE void texel_levels(int class_index, const uint8_t *u, signed_halves *
         few_levels(&from[0], 4, 4, &out[1]);
         break;
     case 3:
-        for (int part = 0; part < 4; part++)
+        for (int part = 0; part < 4; part++) {
             few_levels(&from[part / 2], 4 * (part % 2), 4, &out[part]);
+        }
         break;
     default:
-        for (int part = 0; part < 4; part++)
+        for (int part = 0; part < 4; part++) {
             few_levels(&from[0], 2 * part, 2, &out[part]);
+        }
         break;
     }
 }
@@ -109,18 +114,22 @@ BTFI_INLINE void add_codes(const btfi_unit *unit, int class_index, const signed_
     texel_levels(class_index, u, of_texel);
     if (unit->whole) {
         int32_t sum = 0;
-        for (int i = 0; i < count; i++)
+        for (int i = 0; i < count; i++) {
             sum += codes[i] * levels[i];
+        }
         sums[0] = sums[0] + (float)scaled_down(class_index, sum) * unit->scale[0];
         return;
     }
     int32_t products[UNIT];
-    for (int j = 0; j < UNIT; j++)
+    for (int j = 0; j < UNIT; j++) {
         products[j] = codes[j] * levels[j] + codes[UNIT + j] * levels[UNIT + j];
-    if (count > 2 * UNIT)
-        for (int j = 0; j < UNIT; j++)
+    }
+    if (count > 2 * UNIT) {
+        for (int j = 0; j < UNIT; j++) {
             products[j] +=
                 codes[2 * UNIT + j] * levels[2 * UNIT + j] + codes[3 * UNIT + j] * levels[3 * UNIT + j];
+        }
+    }
     for (int k = 0; k < WORDS; k++) {
         const int32_t *p = products + 4 * k;
         float *channel = &sums[unit->channel[k]];
@@ -145,16 +154,18 @@ BTFI_INLINE void add_unit(const btf_evaluator *e, const btfi_level *level, size_
                           const lit *at, const btfi_seen *seen, float sums[][3]) {
     const btfi_unit *unit = &e->units[index];
     lit_unit codes;
-    if (class_index == 0)
+    if (class_index == 0) {
         light_bytes(at, index, &codes.bytes);
-    else
+    } else {
         light_codes(at, index, class_index < 3 ? 4 : 2, codes.codes);
+    }
     for (int i = 0; i < seen->count; i++) {
         const uint8_t *u = level->u + seen->texel[i] * e->u_bytes + unit->u;
-        if (class_index == 0)
+        if (class_index == 0) {
             add_bytes(unit, &codes.bytes, u, sums[i]);
-        else
+        } else {
             add_codes(unit, class_index, codes.codes, u, sums[i]);
+        }
     }
 }
 
@@ -171,7 +182,7 @@ BTFI_INLINE void factors(const btf_evaluator *e, const btfi_level *level, uint32
     uint32_t i = 0;
     for (int tier = 0; tier < BTFI_TIERS; tier++) {
         float sums[BTFI_MOST_POINTS][3] = {{0}};
-        for (; i < units && e->units[i].tier == tier; i++)
+        for (; i < units && e->units[i].tier == tier; i++) {
             switch (e->units[i].class_index) {
             case 0:
                 add_unit(e, level, i, 0, &at, seen, sums);
@@ -189,10 +200,13 @@ BTFI_INLINE void factors(const btf_evaluator *e, const btfi_level *level, uint32
                 add_unit(e, level, i, 4, &at, seen, sums);
                 break;
             }
+        }
         const float *of_view = e->factor_views + 4 * (BTFI_TIERS * (size_t)seen->view + (size_t)tier);
-        for (int p = 0; p < seen->count; p++)
-            for (int c = 0; c < 3; c++)
+        for (int p = 0; p < seen->count; p++) {
+            for (int c = 0; c < 3; c++) {
                 total[p][c] = total[p][c] + sums[p][c] * of_view[c];
+            }
+        }
     }
     for (int p = 0; p < seen->count; p++) {
         const float y = total[p][0], c1 = total[p][1], c2 = total[p][2];
@@ -218,8 +232,9 @@ BTFI_INLINE void components(const btf_evaluator *e, const btfi_level *level, uin
         float *flat = lit_v[0];
         const int8_t *from_a = a + 4 * (size_t)first, *from_b = b + 4 * (size_t)first,
                      *from_c = c + 4 * (size_t)first;
-        for (uint32_t i = 0; i < 4 * count; i++)
+        for (uint32_t i = 0; i < 4 * count; i++) {
             flat[i] = (float)(wa * from_a[i] + wb * from_b[i] + wc * from_c[i]);
+        }
         for (int p = 0; p < seen->count; p++) {
             const int8_t *u = level->components + seen->texel[p] * stored + first;
             four_floats sum = sums[p];
@@ -230,15 +245,19 @@ BTFI_INLINE void components(const btf_evaluator *e, const btfi_level *level, uin
             sums[p] = sum;
         }
     }
-    for (int p = 0; p < seen->count; p++)
-        for (int channel = 0; channel < 3; channel++)
+    for (int p = 0; p < seen->count; p++) {
+        for (int channel = 0; channel < 3; channel++) {
             out_r[p][channel] = sums[p][channel];
+        }
+    }
 }
 
 BTFI_INLINE void powers(int count, const float *exponents, float *values) {
-    for (int first = 0; first < count; first += 8)
-        for (int i = first; i < first + 8; i++)
+    for (int first = 0; first < count; first += 8) {
+        for (int i = first; i < first + 8; i++) {
             values[i] = btfi_pow(values[i], exponents[i]);
+        }
+    }
 }
 
 #define KERNELS(name, target)                                                                              \
@@ -264,8 +283,9 @@ KERNELS(avx2, WITH_AVX2)
 
 const btfi_kernels *btfi_kernels_of(btfi_isa limit) {
 #if defined __x86_64__ && defined __GNUC__
-    if (limit >= BTFI_ISA_AVX2 && __builtin_cpu_supports("avx2"))
+    if (limit >= BTFI_ISA_AVX2 && __builtin_cpu_supports("avx2")) {
         return &kernels_avx2;
+    }
 #endif
     (void)limit;
     return &kernels_base;

@@ -38,8 +38,9 @@ enum { GROUPS = 4 };
 /* Section 9, Texture coordinates. */
 static uint32_t coordinate(float c, uint32_t size) {
     const uint32_t magnitude = btfi_bits(c) & 0x7FFFFFFFu;
-    if (magnitude > 0x45800000u || magnitude < 0x00800000u)
+    if (magnitude > 0x45800000u || magnitude < 0x00800000u) {
         return 0;
+    }
     return ((uint32_t)btfi_floor(c * 0x1p18f) & 0x3FFFFu) * size;
 }
 
@@ -75,8 +76,9 @@ static void add_footprint(const btfi_level *l, btf_filter filter, uint32_t tu, u
     for (int corner = 0; corner < CORNERS; corner++) {
         const int i = corner & 1, j = corner >> 1;
         const uint32_t product = weight_u[i] * weight_v[j];
-        if (product == 0)
+        if (product == 0) {
             continue;
+        }
         points->column[points->count] = column[i];
         points->row[points->count++] = l->height - 1 - row[j];
         out->weight[out->count++] = (float)product * 0x1p-16f;
@@ -88,9 +90,11 @@ static void blend_views(const btf_evaluator *e, int count, const int32_t weights
                         const float *const values[3], float out_rgb[3]) {
     for (int c = 0; c < 3; c++) {
         float sum = 0.0f;
-        for (int a = 0; a < count; a++)
-            if (weights[a] > 0)
+        for (int a = 0; a < count; a++) {
+            if (weights[a] > 0) {
                 sum = sum + values[a][c] * ((float)weights[a] * 0x1p-12f);
+            }
+        }
         if (e->info.blend == BTF_BLEND_ROOTS) {
             const float root = btfi_keep_within(sum);
             sum = root * root;
@@ -122,8 +126,9 @@ static bool joins(const btf_evaluator *e, const arguments *in, size_t i) {
 static int find_group(const btf_evaluator *e, const btfi_way *way, const arguments *in, size_t first) {
     const int most = BTFI_MOST_POINTS / (way->filter == BTF_FILTER_TEXEL ? 1 : CORNERS);
     int count = 1;
-    while (count < most && first + (size_t)count < in->of->count && joins(e, in, first + (size_t)count))
+    while (count < most && first + (size_t)count < in->of->count && joins(e, in, first + (size_t)count)) {
         count++;
+    }
     return count;
 }
 
@@ -146,10 +151,12 @@ static void find_points(const btf_evaluator *e, const btfi_way *way, const argum
     const bool relief = way->effects & BTF_EFFECT_RELIEF;
     btfi_slopes slopes;
     g->lists = relief ? g->situation.views.count : 1;
-    for (int a = 0; a < g->lists; a++)
+    for (int a = 0; a < g->lists; a++) {
         g->points[a].count = 0;
-    if (relief)
+    }
+    if (relief) {
         btfi_relief_slopes(e, &g->situation, &slopes);
+    }
     for (int i = 0; i < g->count; i++) {
         uint32_t tu, tv;
         read_position(in, g->first + (size_t)i, g->level, &tu, &tv);
@@ -160,15 +167,17 @@ static void find_points(const btf_evaluator *e, const btfi_way *way, const argum
         const int32_t position[2] = {(int32_t)(tu >> 10), (int32_t)(tv >> 10)};
         int32_t positions[3][2];
         btfi_relief(e, g->level, &g->situation, &slopes, way->linear, position, positions, g->weights[i]);
-        for (int a = 0; a < g->lists; a++)
+        for (int a = 0; a < g->lists; a++) {
             add_footprint(g->level, way->filter, (uint32_t)positions[a][0] << 10,
                           (uint32_t)positions[a][1] << 10, &g->points[a], &g->prints[a][i]);
+        }
     }
 }
 
 static void lists_of(const group *g, const btfi_points *out[3]) {
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < 3; a++) {
         out[a] = &g->points[a < g->lists ? a : 0];
+    }
 }
 
 /* Texels first, then views: without relief. */
@@ -182,8 +191,9 @@ static void blend_texels(const btf_evaluator *e, const group *g, float values[3]
             float radiance[3];
             blend_views(e, g->situation.views.count, g->situation.views.weight,
                         (const float *const[3]){values[0][at], values[1][at], values[2][at]}, radiance);
-            for (int c = 0; c < 3; c++)
+            for (int c = 0; c < 3; c++) {
                 sum[c] = sum[c] + radiance[c] * print->weight[p];
+            }
         }
         memcpy(rgb[i], sum, sizeof sum);
     }
@@ -196,9 +206,11 @@ static void blend_shifted(const btf_evaluator *e, const group *g, float values[3
         float sums[3][3] = {{0.0f}};
         for (int a = 0; a < g->lists; a++) {
             const footprint *print = &g->prints[a][i];
-            for (int p = 0; p < print->count; p++)
-                for (int c = 0; c < 3; c++)
+            for (int p = 0; p < print->count; p++) {
+                for (int c = 0; c < 3; c++) {
                     sums[a][c] = sums[a][c] + values[a][print->first + p][c] * print->weight[p];
+                }
+            }
         }
         blend_views(e, g->lists, g->weights[i], (const float *const[3]){sums[0], sums[1], sums[2]}, rgb[i]);
     }
@@ -212,8 +224,9 @@ static bool begin_group(const btf_evaluator *e, const btfi_way *way, const argum
     const int32_t level = level_of(e, in, first);
     g->level = &e->levels[level];
     g->way = *way;
-    if (btfi_relief_has_ended(&e->info, (uint32_t)level))
+    if (btfi_relief_has_ended(&e->info, (uint32_t)level)) {
         g->way.effects &= ~(uint32_t)BTF_EFFECT_RELIEF;
+    }
     if (!btfi_look_up(e, &g->way, in->of->lights + first * in->light_step,
                       in->of->views + first * in->view_step, &g->situation)) {
         memset(in->of->rgb + 3 * first, 0, (size_t)g->count * 3 * sizeof(float));
@@ -229,10 +242,11 @@ static bool begin_group(const btf_evaluator *e, const btfi_way *way, const argum
 static void end_group(const btf_evaluator *e, const arguments *in, const group *g) {
     float values[3][BTFI_MOST_POINTS][3], (*rgb)[3] = (float(*)[3])(in->of->rgb + 3 * g->first);
     btfi_view_values(e, g->level, &g->way, &g->situation, g->sources, values);
-    if (g->way.effects & BTF_EFFECT_RELIEF)
+    if (g->way.effects & BTF_EFFECT_RELIEF) {
         blend_shifted(e, g, values, rgb);
-    else
+    } else {
         blend_texels(e, g, values, rgb);
+    }
 }
 
 static void evaluate(const btf_evaluator *e, const btfi_way *way, const arguments *in) {
@@ -247,10 +261,12 @@ static void evaluate(const btf_evaluator *e, const btfi_way *way, const argument
         for (int i = 0; i < begun; i++) {
             const btfi_points *points[3];
             lists_of(&groups[i], points);
-            btfi_find_sources(e, groups[i].level, &groups[i].way, &groups[i].situation, points, groups[i].sources);
+            btfi_find_sources(e, groups[i].level, &groups[i].way, &groups[i].situation, points,
+                              groups[i].sources);
         }
-        for (int i = 0; i < begun; i++)
+        for (int i = 0; i < begun; i++) {
             end_group(e, in, &groups[i]);
+        }
     }
 }
 
@@ -258,14 +274,16 @@ static bool choose_way(const btf_evaluator *e, const btf_evaluate_options *optio
     static const btf_evaluate_options everything = {.struct_size = sizeof everything};
     const btf_evaluate_options *o = options ? options : &everything;
     if (o->struct_size < sizeof *o || (uint32_t)o->interpolation > BTF_INTERPOLATION_NEAREST ||
-        (uint32_t)o->filter > BTF_FILTER_STEEP)
+        (uint32_t)o->filter > BTF_FILTER_STEEP) {
         return false;
+    }
     *out = (btfi_way){.effects = e->info.effects & ~o->leave_out,
                       .components = e->info.components,
                       .linear = o->interpolation == BTF_INTERPOLATION_LINEAR,
                       .filter = o->filter};
-    if (o->components != 0 && o->components < out->components)
+    if (o->components != 0 && o->components < out->components) {
         out->components = o->components;
+    }
     return true;
 }
 
@@ -274,14 +292,18 @@ btf_result btf_evaluate_many(const btf_evaluator *e, const btf_evaluate_options 
     const btf_evaluations *of = evaluations;
     btfi_way way;
     if (!e || !of || of->struct_size < sizeof *of || !choose_way(e, options, &way) ||
-        of->fixed & ~(uint32_t)(BTF_FIXED_VIEW | BTF_FIXED_LIGHT))
+        of->fixed & ~(uint32_t)(BTF_FIXED_VIEW | BTF_FIXED_LIGHT)) {
         return BTF_ERROR_USAGE;
-    if (of->count == 0)
+    }
+    if (of->count == 0) {
         return BTF_OK;
-    const size_t least = of->fixed == (BTF_FIXED_VIEW | BTF_FIXED_LIGHT) ? 2 : 3; /* so that no two overlap */
+    }
+    const size_t least =
+        of->fixed == (BTF_FIXED_VIEW | BTF_FIXED_LIGHT) ? 2 : 3; /* so that no two overlap */
     if ((of->uv != NULL) == (of->texels != NULL) || !of->lights || !of->views || !of->rgb ||
-        (of->stride && of->stride < least))
+        (of->stride && of->stride < least)) {
         return BTF_ERROR_USAGE;
+    }
     const arguments in = {of, of->stride ? of->stride : 2,
                           of->fixed & BTF_FIXED_LIGHT ? 0
                           : of->stride                ? of->stride
@@ -289,8 +311,9 @@ btf_result btf_evaluate_many(const btf_evaluator *e, const btf_evaluate_options 
                           of->fixed & BTF_FIXED_VIEW ? 0
                           : of->stride               ? of->stride
                                                      : 3};
-    if (!of->uv)
+    if (!of->uv) {
         way.filter = BTF_FILTER_TEXEL;
+    }
     evaluate(e, &way, &in);
     return BTF_OK;
 }

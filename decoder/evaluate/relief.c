@@ -16,24 +16,29 @@ static int32_t slope_component(float component, float k) {
 /* Of as much of a direction's slope as the relief acts. */
 static void faded_slope(const float d[3], int32_t share, int32_t out_slope[2]) {
     const float z = d[2] >= 0.25f ? d[2] : 0.25f, half = btfi_reciprocal(z + z), k = half + half;
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; i++) {
         out_slope[i] = slope_component(d[i], k) * share >> 12;
+    }
 }
 
 void btfi_relief_slopes(const btf_evaluator *e, const btfi_situation *s, btfi_slopes *out) {
     out->share = 0;
-    for (int a = 0; a < s->views.count; a++)
-        if (e->view_vectors[4 * (size_t)s->views.index[a] + 3] != 0.0f)
+    for (int a = 0; a < s->views.count; a++) {
+        if (e->view_vectors[4 * (size_t)s->views.index[a] + 3] != 0.0f) {
             out->share += s->views.weight[a];
+        }
+    }
     faded_slope(s->view, out->share, out->own);
-    for (int a = 0; a < s->views.count; a++)
+    for (int a = 0; a < s->views.count; a++) {
         faded_slope(e->view_vectors + 4 * (size_t)s->views.index[a], out->share, out->of_view[a]);
+    }
 }
 
 /* A position on an axis of `length` 256ths of a texel, modulo that. */
 static int32_t wrap(int32_t position, int32_t length) {
-    if (position >= 0 && position < length)
+    if (position >= 0 && position < length) {
         return position;
+    }
     position %= length;
     return position < 0 ? position + length : position;
 }
@@ -41,8 +46,9 @@ static int32_t wrap(int32_t position, int32_t length) {
 static void move(const btfi_level *l, const int32_t position[2], int32_t height, const int32_t slope[2],
                  int32_t out[2]) {
     const int32_t length[2] = {(int32_t)l->width * 256, (int32_t)l->height * 256};
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; i++) {
         out[i] = wrap(position[i] + (height * slope[i] >> (12 + l->shift)), length[i]);
+    }
 }
 
 static int32_t march(const btf_evaluator *e, const btfi_level *l, const int32_t position[2],
@@ -56,8 +62,9 @@ static int32_t march(const btf_evaluator *e, const btfi_level *l, const int32_t 
         move(l, position, z, slope, foot);
         const size_t row = l->height - 1 - ((size_t)foot[1] >> 8);
         const int32_t surface = base + (l->heights[row * l->width + ((size_t)foot[0] >> 8)] * step >> 8);
-        if (surface >= z)
+        if (surface >= z) {
             return n == 0 ? z : surface < z + descent ? surface : z + (descent >> 1);
+        }
     }
     return base;
 }
@@ -77,25 +84,30 @@ void btfi_relief(const btf_evaluator *e, const btfi_level *l, const btfi_situati
     int32_t point[2], visible[3] = {0, 0, 0}, total = 0;
     const int32_t z = flat ? e->info.relief_base : march(e, l, position, slopes->own);
     move(l, position, z, slopes->own, point);
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < 3; a++) {
         out_weights[a] = s->views.weight[a];
+    }
     for (int a = 0; a < s->views.count; a++) {
         int32_t shift[2];
         move(l, origin, z, slopes->of_view[a], shift);
-        for (int i = 0; i < 2; i++)
+        for (int i = 0; i < 2; i++) {
             out_positions[a][i] = wrap(point[i] - shift[i], length[i]);
-        if (flat || !occlusion)
+        }
+        if (flat || !occlusion) {
             continue;
+        }
         const int32_t shown = march(e, l, out_positions[a], slopes->of_view[a]);
         visible[a] = s->views.weight[a] * visible_share(l, shown, z, slopes->share);
         total += visible[a];
     }
-    if (flat || !occlusion)
+    if (flat || !occlusion) {
         return;
+    }
     /* Those behind the last have none: it takes what rounding leaves. */
     out_weights[0] = s->views.count == 1 ? 4096 : ((visible[0] >> 6) << 12) / (total >> 6);
-    if (s->views.count > 1)
+    if (s->views.count > 1) {
         out_weights[1] =
             s->views.count == 2 ? 4096 - out_weights[0] : ((visible[1] >> 6) << 12) / (total >> 6);
+    }
     out_weights[2] = 4096 - out_weights[0] - out_weights[1];
 }

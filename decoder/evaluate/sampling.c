@@ -59,8 +59,9 @@ static void measure(const btf_evaluator *evaluator, const btf_directions *lights
         double sum = 0;
         of.lights = lights->xyz + 3 * (size_t)l;
         btf_evaluate_many(evaluator, NULL, &of);
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
             sum += 0.2126 * (double)rgb[i][0] + 0.7152 * (double)rgb[i][1] + 0.0722 * (double)rgb[i][2];
+        }
         out[l] = sum / (double)count;
     }
 }
@@ -119,19 +120,22 @@ static void aim(const btf_directions *lights, double *luminance, double *scratch
     out->outside = out->outside > 0 ? out->outside : 0;
     out->beyond = rim_cosine > 0 ? rim / rim_cosine : 0;
     const double total = sum_over_triangles(lights, luminance) + out->beyond * out->outside;
-    for (uint32_t l = 0; l < lights->count; l++)
+    for (uint32_t l = 0; l < lights->count; l++) {
         luminance[l] = total > 0 ? luminance[l] / total : 0;
+    }
     out->beyond = total > 0 ? out->beyond / total : 0;
 }
 
 /* Densities to add to a share of the cosine: the excess of the target over it. Returns false where there is
  * none. */
 static bool exceed(const target *t, double share, double *out) {
-    for (uint32_t l = 0; l < t->lights->count; l++)
+    for (uint32_t l = 0; l < t->lights->count; l++) {
         out[l] = fmax(t->density[l] - share * cosine_at((double)t->lights->xyz[3 * (size_t)l + 2]), 0);
+    }
     const double total = sum_over_triangles(t->lights, out);
-    for (uint32_t l = 0; l < t->lights->count && total > 0; l++)
+    for (uint32_t l = 0; l < t->lights->count && total > 0; l++) {
         out[l] *= (1 - share) / total;
+    }
     return total > 0;
 }
 
@@ -142,8 +146,9 @@ static double noise(const target *t, double share, const double *beside) {
     for (uint32_t i = 0; i < t->lights->triangle_count; i++) {
         const uint16_t *of = t->lights->triangles + 3 * (size_t)i;
         double cosine[3], at_edges = 0;
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             cosine[c] = cosine_at((double)t->lights->xyz[3 * (size_t)of[c] + 2]);
+        }
         for (int c = 0; c < 3; c++) {
             const int d = (c + 1) % 3;
             const double wanted = t->density[of[c]] + t->density[of[d]];
@@ -162,10 +167,12 @@ static double choose_share(const target *t, double *scratch, double *best) {
     for (int i = 0; i < SHARES; i++) {
         const double tried = 1 - (1 - least_share) * i / (SHARES - 1);
         const bool some = tried < 1 && exceed(t, tried, scratch);
-        if (tried < 1 && !some)
+        if (tried < 1 && !some) {
             continue;
-        if (!some)
+        }
+        if (!some) {
             memset(scratch, 0, t->lights->count * sizeof *scratch);
+        }
         const double mean = noise(t, tried, scratch);
         if (mean < least) {
             least = mean;
@@ -181,15 +188,17 @@ static void fill_view(const btf_directions *lights, double *luminance, double *r
                       float *densities) {
     double area = 0, sum = 0, share = 1, *beside = room + lights->count;
     target t;
-    for (uint32_t i = 0; i < lights->triangle_count; i++)
+    for (uint32_t i = 0; i < lights->triangle_count; i++) {
         area += twice_area(lights, lights->triangles + 3 * (size_t)i) / 2;
+    }
     memset(beside, 0, lights->count * sizeof *beside);
     if (area >= least_area) {
         aim(lights, luminance, room, &t);
         share = choose_share(&t, room, beside);
     }
-    for (uint32_t l = 0; l < lights->count; l++)
+    for (uint32_t l = 0; l < lights->count; l++) {
         densities[l] = (float)beside[l];
+    }
     densities[lights->count] = (float)share;
     for (uint32_t i = 0; i < lights->triangle_count; i++) {
         const uint16_t *of = lights->triangles + 3 * (size_t)i;
@@ -214,11 +223,13 @@ static void fill_corners(const btf_directions *lights, uint32_t (*row)[4]) {
 
 btf_result btf_light_sampling_create(const btf_material *material, const btf_evaluator *evaluator,
                                      const btf_log *log, btf_light_sampling **out_sampling) {
-    if (!out_sampling)
+    if (!out_sampling) {
         return BTF_ERROR_USAGE;
+    }
     *out_sampling = NULL;
-    if (!material || !evaluator)
+    if (!material || !evaluator) {
         return BTF_ERROR_USAGE;
+    }
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
     const btf_directions views = btf_material_views(material), lights = btf_material_lights(material);
@@ -250,8 +261,9 @@ btf_result btf_light_sampling_create(const btf_material *material, const btf_eva
 
 void btf_light_sampling_destroy(btf_light_sampling **sampling) {
     btf_light_sampling *s = sampling ? *sampling : NULL;
-    if (!s)
+    if (!s) {
         return;
+    }
     free((void *)s->triangles);
     free((void *)s->densities);
     free(s);

@@ -46,8 +46,9 @@ static const uint8_t *at(const plane *of, uint32_t column, uint32_t row) {
 
 static uint32_t wrap(uint32_t position, int32_t shift, uint32_t size) {
     int32_t p = (int32_t)position + shift;
-    if (p >= 0 && p < (int32_t)size)
+    if (p >= 0 && p < (int32_t)size) {
         return (uint32_t)p;
+    }
     p %= (int32_t)size;
     return (uint32_t)(p < 0 ? p + (int32_t)size : p);
 }
@@ -59,8 +60,9 @@ static appearance packed(const btf_evaluator *e, const btfi_way *way, const uint
         seen.columns = (int32_t)(p & 63) - 32;
         seen.rows = (int32_t)(p >> 6 & 63) - 32;
     }
-    if (way->effects & BTF_EFFECT_GAIN)
+    if (way->effects & BTF_EFFECT_GAIN) {
         seen.gain = e->info.gain_base + (float)(p >> 12) * e->info.gain_step;
+    }
     return seen;
 }
 
@@ -78,8 +80,9 @@ static appearance separate(const btf_evaluator *e, const btfi_way *way, uint32_t
         seen.columns = (int8_t)byte0;
         seen.rows = (int8_t)byte1;
     }
-    if (way->effects & BTF_EFFECT_GAIN)
+    if (way->effects & BTF_EFFECT_GAIN) {
         seen.gain = (float)code * e->info.gain_scale;
+    }
     return seen;
 }
 
@@ -93,15 +96,17 @@ static point_planes planes_of(const btf_evaluator *e, const btfi_level *l, uint3
     const bool tight = e->info.layout == BTF_LAYOUT_TIGHT;
     point_planes out = {.codes = e->info.effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN),
                         .shifts = e->info.effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN)};
-    if (e->info.point_store == BTF_POINTS_PACKED)
+    if (e->info.point_store == BTF_POINTS_PACKED) {
         out.shift = layer(l, l->points, view, 2);
-    else if (e->info.point_store == BTF_POINTS_LISTS)
+    } else if (e->info.point_store == BTF_POINTS_LISTS) {
         out.shift = layer(l, l->point_indices, view / 2, 1);
-    else if (tight) {
-        if (out.codes)
+    } else if (tight) {
+        if (out.codes) {
             out.gain = layer(l, l->gain, view, 1);
-        if (out.shifts)
+        }
+        if (out.shifts) {
             out.shift = layer(l, l->shifts, view, 2);
+        }
     } else if (out.codes || out.shifts) {
         out.gain = tile(e, view, 1);
         out.shift = tile(e, view, 2);
@@ -111,8 +116,9 @@ static point_planes planes_of(const btf_evaluator *e, const btfi_level *l, uint3
 
 static appearance look_at(const btf_evaluator *e, const btfi_level *l, const btfi_way *way, uint32_t view,
                           const point_planes *planes, uint32_t column, uint32_t row) {
-    if (e->info.point_store == BTF_POINTS_PACKED)
+    if (e->info.point_store == BTF_POINTS_PACKED) {
         return packed(e, way, at(&planes->shift, column, row));
+    }
     if (e->info.point_store == BTF_POINTS_LISTS) {
         const uint32_t entry = *at(&planes->shift, column, row) >> view % 2 * 4 & 15;
         const plane entries = layer(l, l->point_lists, entry, 2);
@@ -126,8 +132,9 @@ static appearance look_at(const btf_evaluator *e, const btfi_level *l, const btf
 /* Prefetches the first cache lines of a row of so many bytes: the machine brings the rest by itself. */
 static void await(const void *row, size_t bytes) {
     enum { LINE = 64, MOST_LINES = 8 };
-    for (size_t i = 0; i < bytes && i < LINE * MOST_LINES; i += LINE)
+    for (size_t i = 0; i < bytes && i < LINE * MOST_LINES; i += LINE) {
         __builtin_prefetch((const char *)row + i);
+    }
 }
 
 void btfi_await_points(const btf_evaluator *e, const btfi_level *l, const btfi_situation *s,
@@ -138,37 +145,44 @@ void btfi_await_points(const btf_evaluator *e, const btfi_level *l, const btfi_s
     for (int a = 0; a < s->views.count; a++) {
         const point_planes planes = planes_of(e, l, s->views.index[a]);
         for (int i = 0; i < points[a]->count; i++) {
-            if (planes.shifts)
+            if (planes.shifts) {
                 await(at(&planes.shift, points[a]->column[i], points[a]->row[i]), 1);
-            if (planes.codes && planes.gain.first)
+            }
+            if (planes.codes && planes.gain.first) {
                 await(at(&planes.gain, points[a]->column[i], points[a]->row[i]), 1);
+            }
         }
-        for (int b = 0; b < s->lights[a].count && first; b++)
+        for (int b = 0; b < s->lights[a].count && first; b++) {
             await((const char *)first +
                       ((size_t)s->views.index[a] * e->info.n_lights + s->lights[a].index[b]) * row,
                   row);
+        }
     }
 }
 
 /* Prefetches the parameters of a source. */
 static void await_source(const btf_evaluator *e, const btfi_level *l, const btfi_sources *sources, int i) {
     const size_t texel = sources->seen.texel[i], texels = (size_t)l->width * l->height;
-    if (l->u)
+    if (l->u) {
         await(l->u + texel * e->u_bytes, e->u_bytes);
-    if (l->components)
+    }
+    if (l->components) {
         await(l->components + texel * e->info.components, e->info.components);
+    }
     if (l->sbrdf) {
         const size_t size = e->info.half_float ? 8 : 16;
         const uint32_t layers =
             (e->info.colour == BTF_COLOUR_MONO ? 1 : (3 * (1 + e->info.lobes) + 3) / 4) + e->info.lobes;
-        for (uint32_t j = 0; j < layers; j++)
+        for (uint32_t j = 0; j < layers; j++) {
             await((const char *)l->sbrdf + (j * texels + texel) * size, 1);
+        }
     }
-    if (e->info.effects & BTF_EFFECT_SHADOW)
+    if (e->info.effects & BTF_EFFECT_SHADOW) {
         for (int b = 0; b < sources->seen.lights->count; b++) {
             const plane codes = shadow_plane(e, l, sources->seen.lights->index[b]);
             await(at(&codes, sources->column[i], sources->row[i]), 1);
         }
+    }
 }
 
 void btfi_find_sources(const btf_evaluator *e, const btfi_level *l, const btfi_way *way,
@@ -213,36 +227,43 @@ static void sbrdf(const btf_evaluator *e, const btfi_level *l, const btfi_situat
     const bool mono = e->info.colour == BTF_COLOUR_MONO;
     const uint32_t lobes = e->info.lobes, weights = mono ? 4 : 3 * (1 + lobes);
     int count = 0;
-    for (int a = 0; a < s->views.count; a++)
-        for (int i = 0; i < sources[a].seen.count; i++)
+    for (int a = 0; a < s->views.count; a++) {
+        for (int i = 0; i < sources[a].seen.count; i++) {
             for (uint32_t j = 0; j < lobes; j++, count++) {
                 float c[4];
                 read_parameters(e, l, (weights + 3) / 4 + j, sources[a].seen.texel[i], 4, c);
                 q[count] = c[0] * product[0] + c[1] * product[1] + c[2] * product[2];
                 exponents[count] = c[3];
             }
-    for (int i = count; i % 8 != 0; i++)
+        }
+    }
+    for (int i = count; i % 8 != 0; i++) {
         q[i] = exponents[i] = 0.0f;
+    }
     e->kernels->powers(count, exponents, q);
     const float *power = q;
-    for (int a = 0; a < s->views.count; a++)
+    for (int a = 0; a < s->views.count; a++) {
         for (int i = 0; i < sources[a].seen.count; i++, power += lobes) {
             float of[MOST_PARAMETERS], *f = out[a][i];
             read_parameters(e, l, 0, sources[a].seen.texel[i], weights, of);
             if (mono) {
                 float sum = of[3];
-                for (uint32_t j = 0; j < lobes; j++)
+                for (uint32_t j = 0; j < lobes; j++) {
                     sum = sum + power[j];
-                for (int c = 0; c < 3; c++)
+                }
+                for (int c = 0; c < 3; c++) {
                     f[c] = of[c] * sum;
+                }
                 continue;
             }
             for (int c = 0; c < 3; c++) {
                 f[c] = of[c];
-                for (uint32_t j = 0; j < lobes; j++)
+                for (uint32_t j = 0; j < lobes; j++) {
                     f[c] = f[c] + of[3 * (1 + j) + (uint32_t)c] * power[j];
+                }
             }
         }
+    }
 }
 
 /* Weakens h by the shadow of each point. */
@@ -250,15 +271,18 @@ static void shade(const btf_evaluator *e, const btfi_level *l, const btfi_source
     const btfi_neighbours *lights = sources->seen.lights;
     const float scale = e->info.shadow_scale * 0x1p-12f;
     plane codes[3] = {{0}};
-    for (int b = 0; b < lights->count; b++)
+    for (int b = 0; b < lights->count; b++) {
         codes[b] = shadow_plane(e, l, lights->index[b]);
+    }
     for (int i = 0; i < sources->seen.count; i++) {
         int32_t sum = 0;
-        for (int b = 0; b < lights->count; b++)
+        for (int b = 0; b < lights->count; b++) {
             sum += lights->weight[b] * *at(&codes[b], sources->column[i], sources->row[i]);
+        }
         const float shadow = (float)sum * scale;
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             h[i][c] = h[i][c] * shadow;
+        }
     }
 }
 
@@ -268,11 +292,13 @@ static void centre_value(const btf_evaluator *e, const btfi_neighbours *lights, 
     for (int b = 0; b < lights->count; b++) {
         const uint8_t *code =
             e->centre_texels + 4 * (e->centre_at[centre] + lights->index[b] * e->centre_step);
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             sum[c] += lights->weight[b] * code[c];
+        }
     }
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
         out[c] = (float)sum[c] * (e->info.centre_scale * 0x1p-12f);
+    }
 }
 
 /* Turns y before the gain into the value that is blended, a root or radiance. */
@@ -280,8 +306,9 @@ static void finish(const btf_evaluator *e, const btfi_sources *sources, int i, f
     const bool roots = e->info.blend == BTF_BLEND_ROOTS;
     if (sources->centre[i] >= 0) {
         centre_value(e, sources->seen.lights, (uint32_t)sources->centre[i], y);
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             y[c] = roots ? y[c] : y[c] * y[c];
+        }
         return;
     }
     for (int c = 0; c < 3; c++) {
@@ -299,26 +326,30 @@ void btfi_view_values(const btf_evaluator *e, const btfi_level *l, const btfi_wa
                       const btfi_situation *s, const btfi_sources sources[3],
                       float out[3][BTFI_MOST_POINTS][3]) {
     const bool residual = way->effects & BTF_EFFECT_RESIDUAL;
-    if (e->modelled)
+    if (e->modelled) {
         sbrdf(e, l, s, sources, out);
+    }
     for (int a = 0; a < s->views.count; a++) {
         float r[BTFI_MOST_POINTS][3] = {{0}};
-        if (e->modelled && way->effects & BTF_EFFECT_SHADOW)
+        if (e->modelled && way->effects & BTF_EFFECT_SHADOW) {
             shade(e, l, &sources[a], out[a]);
-        if (residual && e->factors_stored)
+        }
+        if (residual && e->factors_stored) {
             e->kernels->factors(e, l, way->components, &sources[a].seen, r);
-        else if (residual)
+        } else if (residual) {
             e->kernels->components(e, l, way->components, &sources[a].seen, r);
+        }
         for (int i = 0; i < sources[a].seen.count; i++) {
             float *y = out[a][i];
             for (int c = 0; c < 3; c++) {
                 const float h = e->modelled ? y[c] : 0.0f;
-                if (residual && !e->factors_stored)
+                if (residual && !e->factors_stored) {
                     y[c] = (e->modelled ? h + r[i][c] : r[i][c]) * s->cosine;
-                else if (residual && !e->modelled)
+                } else if (residual && !e->modelled) {
                     y[c] = r[i][c] * s->horizon;
-                else
+                } else {
                     y[c] = residual ? h * s->cosine + r[i][c] * s->horizon : h * s->cosine;
+                }
             }
             finish(e, &sources[a], i, y);
         }

@@ -80,10 +80,12 @@ static btf_result load(board *b) {
     const btf_gl_options gl = {sizeof gl, find, NULL, &shader};
     btf_material *material = NULL;
     btf_result result = btf_material_open(b->path, &log_stderr, &material);
-    if (!result)
+    if (!result) {
         result = btf_shader_source(material, &shader, &log_stderr, &b->decoder);
-    if (!result)
+    }
+    if (!result) {
         result = btf_gl_upload(material, &gl, &log_stderr, &b->textures);
+    }
     btf_material_close(&material);
     return result;
 }
@@ -96,8 +98,9 @@ static GLuint compile(GLenum kind, GLsizei count, const char *const *parts) {
     glCompileShader(shader);
     glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
     glGetShaderInfoLog(shader, (GLsizei)sizeof message, NULL, message);
-    if (!ok)
+    if (!ok) {
         fprintf(stderr, "forward: %s\n", message);
+    }
     return shader;
 }
 
@@ -118,8 +121,9 @@ static btf_result draw(board boards[2]) {
     for (int i = 0; i < 2; i++, unit += used) {
         btf_result result =
             btf_gl_bind(boards[i].textures, program, unit, boards[i].prefix, &log_stderr, &used);
-        if (result)
+        if (result) {
             return result;
+        }
     }
     glGenVertexArrays(1, &array);
     glBindVertexArray(array);
@@ -152,17 +156,22 @@ int main(int argc, char **argv) {
     }
     board boards[2] = {{.path = argv[1], .prefix = "left"}, {.path = argv[2], .prefix = "right"}};
     btf_result result = load(&boards[0]);
-    if (!result)
+    if (!result) {
         result = load(&boards[1]);
-    if (!result)
+    }
+    if (!result) {
         result = draw(boards);
+    }
     if (!result) {
         printf("P6\n%d %d\n255\n", WIDTH, HEIGHT);
-        for (int row = HEIGHT - 1; row >= 0; row--) /* row 0 of a PPM is the top */
-            for (int column = 0; column < WIDTH; column++)
+        for (int row = HEIGHT - 1; row >= 0; row--) { /* row 0 of a PPM is the top */
+            for (int column = 0; column < WIDTH; column++) {
                 fwrite(pixels + 4 * (row * WIDTH + column), 1, 3, stdout);
-        if (fflush(stdout))
+            }
+        }
+        if (fflush(stdout)) {
             result = BTF_ERROR_IO;
+        }
     }
     for (int i = 0; i < 2; i++) {
         btf_gl_destroy(&boards[i].textures);

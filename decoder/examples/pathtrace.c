@@ -72,12 +72,15 @@ static btf_result open_scene(const char *path, scene *s) {
     const btf_log silent = {NULL, NULL};
     memset(s, 0, sizeof *s);
     btf_result result = btf_material_open(path, &silent, &s->material);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_evaluator_create(s->material, &silent, &s->evaluator);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = btf_light_sampling_create(s->material, s->evaluator, &silent, &s->tables);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         return result;
+    }
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(s->material, &info);
     s->directions.n_views = info.n_views;
@@ -100,15 +103,17 @@ static void close_scene(scene *s) {
 static vec sky(vec d) {
     static const vec side = {-0.48f, -0.64f, 0.6f};
     const float glow = 2 * powf(fmaxf(dot(d, side), 0), 16), up = fmaxf(d.z, 0);
-    return (vec){0.75f - 0.45f * up + glow, 0.8f - 0.35f * up + 0.9f * glow, 0.85f - 0.2f * up + 0.75f * glow};
+    return (vec){0.75f - 0.45f * up + glow, 0.8f - 0.35f * up + 0.9f * glow,
+                 0.85f - 0.2f * up + 0.75f * glow};
 }
 
 /* Distance to a sphere along a unit direction; INFINITY: it is missed. */
 static float meet(vec centre, float radius, vec from, vec d) {
     const vec o = add(from, scale(centre, -1));
     const float b = dot(o, d), c = dot(o, o) - radius * radius, h = b * b - c;
-    if (h < 0)
+    if (h < 0) {
         return INFINITY;
+    }
     const float near = -b - sqrtf(h), far = -b + sqrtf(h);
     return near > 1e-3f ? near : far > 1e-3f ? far : INFINITY;
 }
@@ -125,10 +130,12 @@ static thing trace(vec from, vec d, point *out) {
     const float to_ball = meet(ball, ball_radius, from, d), to_lamp = meet(lamp, lamp_radius, from, d);
     const float to_plane = d.z < 0 && from.z > 1e-4f ? -from.z / d.z : INFINITY;
     const float nearest = fminf(to_ball, fminf(to_lamp, to_plane));
-    if (isinf(nearest))
+    if (isinf(nearest)) {
         return SKY;
-    if (nearest == to_lamp)
+    }
+    if (nearest == to_lamp) {
         return LAMP;
+    }
     out->at = add(from, scale(d, nearest));
     if (nearest == to_plane) {
         out->normal = (vec){0, 0, 1};
@@ -166,8 +173,9 @@ static vec reflect(const scene *s, const point *p, const float light[3], const f
 }
 
 static float density(const scene *s, bool cosine, const float view[3], const float light[3]) {
-    if (cosine)
+    if (cosine) {
         return light[2] > 0 ? light[2] / PI : 0;
+    }
     return btf_ref_pdf_light(&s->directions, &s->sampling, 0, 0, view, light);
 }
 
@@ -204,8 +212,9 @@ static vec from_lamp(const scene *s, bool cosine, const point *p, const float vi
     float light[3];
     point shadow;
     to_local(p, d, light);
-    if (light[2] <= 0 || trace(p->at, d, &shadow) != LAMP)
+    if (light[2] <= 0 || trace(p->at, d, &shadow) != LAMP) {
         return none;
+    }
     return scale(reflect(s, p, light, view), lamp_radiance / (pdf + density(s, cosine, view, light)));
 }
 
@@ -226,13 +235,15 @@ static vec radiance(const scene *s, bool cosine, vec from, vec d, uint64_t *stat
         }
         float view[3], light[3];
         to_local(&p, scale(d, -1), view);
-        if (view[2] <= 0)
+        if (view[2] <= 0) {
             return sum;
+        }
         const vec lit = from_lamp(s, cosine, &p, view, state);
         sum = add(sum, (vec){through.x * lit.x, through.y * lit.y, through.z * lit.z});
         drawn = draw_direction(s, cosine, view, state, light);
-        if (!(drawn > 0) || bounce == MOST_BOUNCES)
+        if (!(drawn > 0) || bounce == MOST_BOUNCES) {
             return sum;
+        }
         const vec f = scale(reflect(s, &p, light, view), 1 / drawn);
         through = (vec){through.x * f.x, through.y * f.y, through.z * f.z};
         from = p.at;
@@ -247,7 +258,7 @@ static void add_samples(const scene *s, bool cosine, uint64_t pass, vec *sums) {
     const vec forward = unit(add(target, scale(eye, -1))), right = unit(cross(forward, (vec){0, 0, 1})),
               up = cross(right, forward);
 #pragma omp parallel for schedule(dynamic)
-    for (int y = 0; y < HEIGHT; y++)
+    for (int y = 0; y < HEIGHT; y++) {
         for (int x = 0; x < WIDTH; x++) {
             uint64_t state = (pass * PIXELS + (uint64_t)(y * WIDTH + x) + 1) * 0x9E3779B97F4A7C15u;
             draw(&state);
@@ -257,6 +268,7 @@ static void add_samples(const scene *s, bool cosine, uint64_t pass, vec *sums) {
                 unit(add(forward, add(scale(right, 0.9f * a), scale(up, 0.9f * HEIGHT / WIDTH * b))));
             sums[y * WIDTH + x] = add(sums[y * WIDTH + x], radiance(s, cosine, eye, d, &state));
         }
+    }
 }
 
 static double core_seconds(void) {
@@ -270,10 +282,12 @@ static int render(const scene *s, bool cosine, int samples, double seconds, uint
     const double end = core_seconds() + seconds;
     int count = 0;
     memset(out, 0, PIXELS * sizeof *out);
-    while (samples ? count < samples : core_seconds() < end || count == 0)
+    while (samples ? count < samples : core_seconds() < end || count == 0) {
         add_samples(s, cosine, seed + (uint64_t)count++, out);
-    for (int i = 0; i < PIXELS; i++)
+    }
+    for (int i = 0; i < PIXELS; i++) {
         out[i] = scale(out[i], 1.0f / (float)count);
+    }
     return count;
 }
 
@@ -285,8 +299,9 @@ static unsigned char coded(float linear) {
 }
 
 static void put_big(unsigned char *to, uint32_t value) {
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         to[i] = (unsigned char)(value >> (24 - 8 * i));
+    }
 }
 
 /* A PNG chunk: the CRC is that of the PNG specification, annex D. */
@@ -297,8 +312,9 @@ static void write_chunk(FILE *file, const char *type, const unsigned char *data,
     memcpy(head + 4, type, 4);
     for (uint32_t i = 0; i < size + 4; i++) {
         crc ^= i < 4 ? head[4 + i] : data[i - 4];
-        for (int bit = 0; bit < 8; bit++)
+        for (int bit = 0; bit < 8; bit++) {
             crc = crc & 1 ? crc >> 1 ^ 0xEDB88320u : crc >> 1;
+        }
     }
     put_big(tail, ~crc);
     fwrite(head, 1, sizeof head, file);
@@ -356,8 +372,9 @@ static double error_of(const vec *picture, const vec *truth) {
         const float d[3] = {fminf(picture[i].x, 1) - fminf(truth[i].x, 1),
                             fminf(picture[i].y, 1) - fminf(truth[i].y, 1),
                             fminf(picture[i].z, 1) - fminf(truth[i].z, 1)};
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             sum += (double)d[c] * (double)d[c];
+        }
     }
     return sqrt(sum / (3 * PIXELS));
 }
@@ -385,17 +402,19 @@ int main(int argc, char **argv) {
     scene s;
     btf_result result = open_scene(argv[1], &s);
     bool written = false;
-    if (result == BTF_OK && compares)
+    if (result == BTF_OK && compares) {
         written = compare(&s, number, argv[2]);
-    else if (result == BTF_OK) {
+    } else if (result == BTF_OK) {
         render(&s, cosine, (int)number > 0 ? (int)number : 1, 0, 1, picture);
         written = write_png(argv[2], (vec *const[1]){picture}, 1);
     }
-    if (result == BTF_OK && !written)
+    if (result == BTF_OK && !written) {
         result = BTF_ERROR_IO;
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         fprintf(stderr, "pathtrace: %s: %s\n", argv[written || result != BTF_ERROR_IO ? 1 : 2],
                 btf_result_text(result));
+    }
     close_scene(&s);
     return btf_result_exit_code(result);
 }

@@ -54,8 +54,9 @@ static int make_context(void) {
     EGLConfig config;
     EGLint count = 0;
     if (!eglInitialize(display, NULL, NULL) ||
-        !eglChooseConfig(display, config_attributes, &config, 1, &count) || count < 1)
+        !eglChooseConfig(display, config_attributes, &config, 1, &count) || count < 1) {
         return 0;
+    }
     EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, context_attributes);
     return eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context);
 }
@@ -94,12 +95,15 @@ static btf_result draw(const char *path, double view, double light, unsigned cha
     const btf_gl_options options = {sizeof options, find, NULL, NULL};
     GLuint program = 0;
     btf_result result = btf_material_open(path, &log_stderr, &material);
-    if (!result)
+    if (!result) {
         result = btf_shader_source(material, NULL, &log_stderr, &decoder);
-    if (!result)
+    }
+    if (!result) {
         result = btf_gl_upload(material, &options, &log_stderr, &gl);
-    if (!result)
+    }
+    if (!result) {
         result = btf_gl_bind(gl, program = make_program(decoder), 0, NULL, &log_stderr, NULL);
+    }
     if (!result) {
         glUseProgram(program);
         glUniform3f(glGetUniformLocation(program, "view"), 0, (float)sin(view), (float)cos(view));
@@ -128,11 +132,14 @@ int main(int argc, char **argv) {
     const double degree = 3.14159265358979 / 180;
     btf_result result = draw(argv[1], argc == 4 ? atof(argv[2]) * degree : 0,
                              argc == 4 ? atof(argv[3]) * degree : 0.5, pixels);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return btf_result_exit_code(result);
+    }
     printf("P6\n%d %d\n255\n", SIZE, SIZE);
-    for (int row = SIZE - 1; row >= 0; --row) /* row 0 of a PPM is the top */
-        for (int column = 0; column < SIZE; ++column)
+    for (int row = SIZE - 1; row >= 0; --row) { /* row 0 of a PPM is the top */
+        for (int column = 0; column < SIZE; ++column) {
             fwrite(pixels + 4 * (row * SIZE + column), 1, 3, stdout);
+        }
+    }
     return glGetError() == GL_NO_ERROR && fflush(stdout) == 0 ? 0 : 4;
 }

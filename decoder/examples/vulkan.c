@@ -88,16 +88,20 @@ static int open_device(gpu *g) {
     const VkInstanceCreateInfo instance = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
                                            .pApplicationInfo = &application};
     uint32_t count = 1, families = 8;
-    if (vkCreateInstance(&instance, NULL, &g->instance) != VK_SUCCESS)
+    if (vkCreateInstance(&instance, NULL, &g->instance) != VK_SUCCESS) {
         return 0;
-    if (vkEnumeratePhysicalDevices(g->instance, &count, &g->physical) < 0 || count == 0)
+    }
+    if (vkEnumeratePhysicalDevices(g->instance, &count, &g->physical) < 0 || count == 0) {
         return 0;
+    }
     VkQueueFamilyProperties properties[8];
     vkGetPhysicalDeviceQueueFamilyProperties(g->physical, &families, properties);
-    while (g->family < families && !(properties[g->family].queueFlags & VK_QUEUE_COMPUTE_BIT))
+    while (g->family < families && !(properties[g->family].queueFlags & VK_QUEUE_COMPUTE_BIT)) {
         g->family++;
-    if (g->family == families)
+    }
+    if (g->family == families) {
         return 0;
+    }
     const float priority = 1;
     const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                            .queueFamilyIndex = g->family,
@@ -121,14 +125,18 @@ static void close_device(gpu *g) {
     vkDestroyPipelineLayout(g->device, g->layout, NULL);
     vkDestroyDescriptorPool(g->device, g->descriptors, NULL);
     vkDestroyDescriptorSetLayout(g->device, g->set_layout, NULL);
-    for (uint32_t i = 0; i < g->view_count; i++)
+    for (uint32_t i = 0; i < g->view_count; i++) {
         vkDestroyImageView(g->device, g->views[i], NULL);
-    for (uint32_t i = 0; i < g->image_count; i++)
+    }
+    for (uint32_t i = 0; i < g->image_count; i++) {
         vkDestroyImage(g->device, g->images[i], NULL);
-    for (uint32_t i = 0; i < g->buffer_count; i++)
+    }
+    for (uint32_t i = 0; i < g->buffer_count; i++) {
         vkDestroyBuffer(g->device, g->buffers[i], NULL);
-    for (uint32_t i = 0; i < g->memory_count; i++)
+    }
+    for (uint32_t i = 0; i < g->memory_count; i++) {
         vkFreeMemory(g->device, g->memories[i], NULL);
+    }
     vkDestroySampler(g->device, g->sampler, NULL);
     vkDestroyCommandPool(g->device, g->pool, NULL);
     vkDestroyDevice(g->device, NULL);
@@ -139,7 +147,7 @@ static VkDeviceMemory allocate(gpu *g, VkMemoryRequirements need, VkMemoryProper
     VkPhysicalDeviceMemoryProperties have;
     VkDeviceMemory memory;
     vkGetPhysicalDeviceMemoryProperties(g->physical, &have);
-    for (uint32_t i = 0; i < have.memoryTypeCount; i++)
+    for (uint32_t i = 0; i < have.memoryTypeCount; i++) {
         if (need.memoryTypeBits >> i & 1 && (have.memoryTypes[i].propertyFlags & flags) == flags) {
             const VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
                                                .allocationSize = need.size,
@@ -147,6 +155,7 @@ static VkDeviceMemory allocate(gpu *g, VkMemoryRequirements need, VkMemoryProper
             check(vkAllocateMemory(g->device, &info, NULL, &memory), "memory");
             return g->memories[g->memory_count++] = memory;
         }
+    }
     check(VK_ERROR_OUT_OF_DEVICE_MEMORY, "no memory of that kind");
     return VK_NULL_HANDLE;
 }
@@ -227,8 +236,9 @@ static VkImageView upload(gpu *g, const btf_material *material, btf_texture_id i
     size_t size = 0;
     for (; levels < BTF_MAX_LEVELS; levels++) {
         t[levels] = btf_material_level_texture(material, levels, id);
-        if (t[levels].format == BTF_FORMAT_NONE)
+        if (t[levels].format == BTF_FORMAT_NONE) {
             break;
+        }
         regions[levels] = (VkBufferImageCopy){
             .bufferOffset = size,
             .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, levels, 0, t[levels].layers},
@@ -249,8 +259,9 @@ static VkImageView upload(gpu *g, const btf_material *material, btf_texture_id i
     vkGetImageMemoryRequirements(g->device, image, &need);
     check(vkBindImageMemory(g->device, image, allocate(g, need, 0), 0), "image memory");
     buffer staging = make_buffer(g, size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
-    for (uint32_t i = 0; i < levels; i++)
+    for (uint32_t i = 0; i < levels; i++) {
         memcpy((char *)staging.data + regions[i].bufferOffset, t[i].data, t[i].size);
+    }
     VkCommandBuffer commands = begin(g);
     move_image(commands, image, range, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     vkCmdCopyBufferToImage(commands, staging.name, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, levels,
@@ -282,9 +293,11 @@ static void make_set(gpu *g, uint32_t textures) {
     uint32_t count = 0;
     add_binding(bindings, &count, 0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
     add_binding(bindings, &count, 1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
-    for (uint32_t i = 0; i < BTF_TEXTURE_COUNT; i++)
-        if (textures >> i & 1)
+    for (uint32_t i = 0; i < BTF_TEXTURE_COUNT; i++) {
+        if (textures >> i & 1) {
             add_binding(bindings, &count, FIRST_BINDING + i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER);
+        }
+    }
     const VkDescriptorSetLayoutCreateInfo layout = {.sType =
                                                         VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
                                                     .bindingCount = count,
@@ -374,8 +387,9 @@ static int compare(const btf_material *material, const float *inputs, const floa
     btf_material_info info = {.struct_size = sizeof info};
     int different = 0;
     btf_material_get_info(material, &info);
-    for (uint32_t i = 0; i < info.levels; i++)
+    for (uint32_t i = 0; i < info.levels; i++) {
         reference_view(material, i, &levels[i]);
+    }
     for (int i = 0; i < COUNT; i++, inputs += 8, outputs += 3) {
         float expected[3];
         btf_ref_evaluate(&levels[(uint32_t)i % info.levels], &decode, inputs[0], inputs[1], inputs + 5,
@@ -403,9 +417,11 @@ static int run(const btf_material *material, const uint32_t *code, size_t size) 
     buffer outputs = make_buffer(&g, COUNT * 3 * sizeof(float), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     bind_buffer(&g, 0, &inputs);
     bind_buffer(&g, 1, &outputs);
-    for (uint32_t i = 0; i < BTF_TEXTURE_COUNT; i++)
-        if (textures >> i & 1)
+    for (uint32_t i = 0; i < BTF_TEXTURE_COUNT; i++) {
+        if (textures >> i & 1) {
             bind_texture(&g, FIRST_BINDING + i, material, (btf_texture_id)i);
+        }
+    }
     make_pipeline(&g, code, size);
     make_inputs(inputs.data);
     VkCommandBuffer commands = begin(&g);
@@ -427,8 +443,9 @@ static int run_file(const btf_material *material, const char *path) {
     static uint32_t code[1 << 18];
     FILE *file = fopen(path, "rb");
     size_t size = file ? fread(code, 1, sizeof code, file) : 0;
-    if (file)
+    if (file) {
         fclose(file);
+    }
     if (size == 0 || size % 4 || size == sizeof code) {
         fprintf(stderr, "vulkan: %s: cannot be read\n", path);
         return 2;
@@ -444,13 +461,16 @@ int main(int argc, char **argv) {
         return 1;
     }
     btf_result result = btf_material_open(argv[1], &log_stderr, &material);
-    if (!result && argc == 2)
+    if (!result && argc == 2) {
         result = btf_shader_source(material, &options, &log_stderr, &library);
-    if (library && printf("%s%s%s", shader_head, library, shader_body) < 0)
+    }
+    if (library && printf("%s%s%s", shader_head, library, shader_body) < 0) {
         result = BTF_ERROR_IO;
+    }
     int exit_code = btf_result_exit_code(result);
-    if (!result && argc == 3)
+    if (!result && argc == 3) {
         exit_code = run_file(material, argv[2]);
+    }
     btf_free(library);
     btf_material_close(&material);
     return exit_code;

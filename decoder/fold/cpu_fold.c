@@ -54,8 +54,9 @@ static btf_result fold_radiance(const piece *p, const float light[3], const floa
                                       .fixed = BTF_FIXED_LIGHT | BTF_FIXED_VIEW,
                                       .rgb = rgb[0]};
         result = btf_evaluate_many(p->evaluator, &options, &many);
-        for (uint32_t i = 0; i < count && result == BTF_OK; i++)
+        for (uint32_t i = 0; i < count && result == BTF_OK; i++) {
             keep(rgb[i], p->out + 4 * (size_t)(first + i));
+        }
     }
     return result;
 }
@@ -75,8 +76,9 @@ static void fold_values(const piece *p, const btfi_way *way, const btfi_situatio
         const btfi_points *const points[3] = {&texels, &texels, &texels};
         btfi_find_sources(p->evaluator, level, way, situation, points, sources);
         btfi_view_values(p->evaluator, level, way, situation, sources, values);
-        for (int i = 0; i < texels.count; i++)
+        for (int i = 0; i < texels.count; i++) {
             keep(values[0][i], p->out + 4 * (size_t)(first + (uint32_t)i));
+        }
     }
 }
 
@@ -85,10 +87,12 @@ static bool choose_view(btf_fold fold, uint32_t layer, btfi_situation *s) {
     int a = 0;
     uint32_t view = layer;
     if (fold == BTF_FOLD_NEIGHBOURS) {
-        while (a < s->views.count && s->views.place[a] != layer)
+        while (a < s->views.count && s->views.place[a] != layer) {
             a++;
-        if (a == s->views.count)
+        }
+        if (a == s->views.count) {
             return false;
+        }
         view = s->views.index[a];
     }
     s->lights[0] = s->lights[a];
@@ -100,19 +104,23 @@ btf_result btf_fold_rows(const btf_evaluator *evaluator, const btf_shader_option
                          const float light[3], const float view[3], uint32_t level, uint32_t layer,
                          uint32_t first_row, uint32_t rows, uint32_t *out_texels) {
     static const float normal[3] = {0, 0, 1}; /* values under a light alone do not depend on the viewer */
-    if (!evaluator || !options || !light || !out_texels)
+    if (!evaluator || !options || !light || !out_texels) {
         return BTF_ERROR_USAGE;
+    }
     const btf_material_info *info = &evaluator->info;
     const btf_fold fold = options->fold;
     if (fold == BTF_FOLD_NONE || level >= info->levels ||
-        (unsigned)options->interpolation > BTF_INTERPOLATION_NEAREST)
+        (unsigned)options->interpolation > BTF_INTERPOLATION_NEAREST) {
         return BTF_ERROR_USAGE;
-    if (btf_fold_check(info, options, NULL) != BTF_OK)
+    }
+    if (btf_fold_check(info, options, NULL) != BTF_OK) {
         return BTF_ERROR_UNSUPPORTED;
+    }
     const uint32_t width = evaluator->levels[level].width, height = evaluator->levels[level].height;
     if ((fold != BTF_FOLD_LIGHT && !view) || layer >= btf_fold_layers(info, fold, 1) ||
-        first_row > height || rows > height - first_row)
+        first_row > height || rows > height - first_row) {
         return BTF_ERROR_USAGE;
+    }
     const btf_shader_options pass = btf_fold_pass(options);
     const btfi_way way = {.effects = info->effects & ~pass.leave_out,
                           .components = pass.components && pass.components < info->components
@@ -129,12 +137,13 @@ btf_result btf_fold_rows(const btf_evaluator *evaluator, const btf_shader_option
                                    &situation) &&
                       choose_view(fold, layer, &situation);
     for (uint32_t row = 0; row < rows && result == BTF_OK; row++, p.row++, p.out += 4 * (size_t)width) {
-        if (!values)
+        if (!values) {
             result = fold_radiance(&p, light, view);
-        else if (seen)
+        } else if (seen) {
             fold_values(&p, &way, &situation);
-        else
+        } else {
             clear_row(&p);
+        }
     }
     return result;
 }
@@ -142,8 +151,9 @@ btf_result btf_fold_rows(const btf_evaluator *evaluator, const btf_shader_option
 void btf_fold_add(size_t count, const uint32_t *texels, const float weight[3], uint32_t *sum) {
     for (size_t i = 0; i < 4 * count; i++) {
         float value, total;
-        if (i % 4 == 3)
+        if (i % 4 == 3) {
             continue;
+        }
         memcpy(&value, texels + i, sizeof value);
         memcpy(&total, sum + i, sizeof total);
         total = total + value * weight[i % 4];
@@ -156,32 +166,38 @@ btf_result btf_material_fold(const btf_material *material, const btf_shader_opti
                              uint32_t **out_texels) {
     btf_evaluator *evaluator = NULL;
     btf_material_info info = {.struct_size = sizeof info};
-    if (!out_texels)
+    if (!out_texels) {
         return BTF_ERROR_USAGE;
+    }
     *out_texels = NULL;
     if (!material || !options || options->fold == BTF_FOLD_NONE || lights < 1 || !light ||
-        (options->fold != BTF_FOLD_LIGHT && !view))
+        (options->fold != BTF_FOLD_LIGHT && !view)) {
         return btfi_fail(log, BTF_ERROR_USAGE,
                          "fold: a material, options, their fold, a light or a view is missing");
+    }
     btf_material_get_info(material, &info);
     btf_result result = btf_fold_check(&info, options, log);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_evaluator_create(material, log, &evaluator);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         return result;
+    }
     const uint32_t layers = btf_fold_layers(&info, options->fold, 1);
     const size_t bytes = btf_fold_bytes(&info, options->fold, lights);
     uint32_t *texels = bytes / lights / layers >= 16 ? malloc(bytes) : NULL, *out = texels;
-    if (!texels)
+    if (!texels) {
         result = btfi_fail(log, BTF_ERROR_MEMORY, "fold: out of memory for %zu bytes", bytes);
+    }
     for (uint32_t level = 0; level < info.levels && result == BTF_OK; level++) {
         const uint32_t width = btf_level_size(info.width, level),
                        height = btf_level_size(info.height, level);
         for (uint32_t i = 0; i < lights * layers && result == BTF_OK;
-             i++, out += (size_t)4 * width * height)
+             i++, out += (size_t)4 * width * height) {
             result = btf_fold_rows(evaluator, options, light + 3 * (size_t)(i / layers),
                                    view ? view + 3 * (size_t)(i / layers) : NULL, level, i % layers, 0,
                                    height, out);
+        }
     }
     btf_evaluator_destroy(&evaluator);
     if (result != BTF_OK) {

@@ -10,16 +10,18 @@
 
 static btf_shader_options read_options(const btf_shader_options *options) {
     btf_shader_options all = {.struct_size = sizeof all};
-    if (options)
+    if (options) {
         memcpy(&all, options, options->struct_size < sizeof all ? options->struct_size : sizeof all);
+    }
     return all;
 }
 
 btf_material_info btfi_folded_info(const btf_material_info *info, btf_fold fold) {
     btf_material_info shown = {.struct_size = sizeof shown};
     memcpy(&shown, info, info->struct_size < sizeof shown ? info->struct_size : sizeof shown);
-    if (fold == BTF_FOLD_NONE)
+    if (fold == BTF_FOLD_NONE) {
         return shown;
+    }
     shown.layout = BTF_LAYOUT_TIGHT;
     shown.effects &= fold == BTF_FOLD_BOTH ? 0u : (uint32_t)BTF_EFFECT_RELIEF;
     shown.colour = BTF_COLOUR_NONE;
@@ -33,32 +35,40 @@ btf_result btf_fold_check(const btf_material_info *info, const btf_shader_option
                           const btf_log *log) {
     const btf_shader_options all = read_options(options);
     const uint32_t effects = info->effects & ~all.leave_out;
-    if ((unsigned)all.fold > BTF_FOLD_NEIGHBOURS)
-        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: fold %d is none of 0, 1, 2 and 3", (int)all.fold);
-    if (all.fold != BTF_FOLD_NONE && all.picks != BTF_PICK_NONE)
+    if ((unsigned)all.fold > BTF_FOLD_NEIGHBOURS) {
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: fold %d is none of 0, 1, 2 and 3",
+                         (int)all.fold);
+    }
+    if (all.fold != BTF_FOLD_NONE && all.picks != BTF_PICK_NONE) {
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: a stochastic decode is not folded");
-    if (all.fold == BTF_FOLD_LIGHT && info->colour != BTF_COLOUR_NONE)
+    }
+    if (all.fold == BTF_FOLD_LIGHT && info->colour != BTF_COLOUR_NONE) {
         return btfi_fail(
             log, BTF_ERROR_UNSUPPORTED,
             "fold: the material has an SBRDF, which depends on the viewer: a light alone is not folded");
-    if (all.fold == BTF_FOLD_LIGHT && effects & BTF_EFFECT_GLOSS)
+    }
+    if (all.fold == BTF_FOLD_LIGHT && effects & BTF_EFFECT_GLOSS) {
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED,
                          "fold: with gloss lights depend on the viewer: a light alone is not folded");
-    if (all.fold == BTF_FOLD_BOTH && effects & BTF_EFFECT_RELIEF)
-        return btfi_fail(
-            log, BTF_ERROR_UNSUPPORTED,
-            "fold: with relief a pixel shows parts of texels: light and view are not folded to radiance, but to "
-            "neighbouring views");
+    }
+    if (all.fold == BTF_FOLD_BOTH && effects & BTF_EFFECT_RELIEF) {
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED,
+                         "fold: with relief a pixel shows parts of texels: light and view are not folded "
+                         "to radiance, but to "
+                         "neighbouring views");
+    }
     return BTF_OK;
 }
 
-btf_fold btf_fold_best(const btf_material_info *info, const btf_shader_options *options, int view_is_still) {
+btf_fold btf_fold_best(const btf_material_info *info, const btf_shader_options *options,
+                       int view_is_still) {
     static const btf_fold by_reading[] = {BTF_FOLD_BOTH, BTF_FOLD_NEIGHBOURS, BTF_FOLD_LIGHT};
     btf_shader_options all = read_options(options);
     for (int i = view_is_still ? 0 : 2; i < 3; i++) {
         all.fold = by_reading[i];
-        if (btf_fold_check(info, &all, NULL) == BTF_OK)
+        if (btf_fold_check(info, &all, NULL) == BTF_OK) {
             return all.fold;
+        }
     }
     return BTF_FOLD_NONE;
 }
@@ -79,8 +89,9 @@ uint32_t btf_fold_layers(const btf_material_info *info, btf_fold fold, uint32_t 
 
 size_t btf_fold_bytes(const btf_material_info *info, btf_fold fold, uint32_t lights) {
     size_t texels = 0;
-    for (uint32_t i = 0; i < info->levels; i++)
+    for (uint32_t i = 0; i < info->levels; i++) {
         texels += (size_t)btf_level_size(info->width, i) * btf_level_size(info->height, i);
+    }
     return texels * btf_fold_layers(info, fold, lights) * btf_format_size(BTF_FORMAT_RGBA32UI);
 }
 
@@ -91,7 +102,9 @@ btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_opti
     const btf_shader_options all = read_options(options), pass = btf_fold_pass(options);
     btf_shader_options unfolded = all;
     unfolded.fold = BTF_FOLD_NONE;
-    const btf_scene anywhere = {.struct_size = sizeof anywhere, .costs = scene && scene->struct_size >= sizeof *scene ? scene->costs : NULL};
+    const btf_scene anywhere = {.struct_size = sizeof anywhere,
+                                .costs =
+                                    scene && scene->struct_size >= sizeof *scene ? scene->costs : NULL};
     /* A pass over a view does a third of what three neighbouring views take. */
     const double views = all.fold == BTF_FOLD_LIGHT
                              ? info.n_views / (all.interpolation == BTF_INTERPOLATION_NEAREST ? 1.0 : 3.0)
@@ -113,12 +126,14 @@ void btfi_fold_plan(const btf_material *material, btf_plan *plan) {
     plan->folded_cost = plan->cost;
     plan->fold_pixels = 0;
     btf_shader_options options = plan->shader;
-    if (plan->scene.light.fixed)
+    if (plan->scene.light.fixed) {
         options.fold = btf_fold_best(&info, &options, plan->scene.view.fixed);
-    if (options.fold == BTF_FOLD_NONE)
+    }
+    if (options.fold == BTF_FOLD_NONE) {
         return;
-    const btf_material_info small = btfi_restricted_info(&info, plan->effects, plan->components, plan->level,
-                                                         plan->views, plan->lights);
+    }
+    const btf_material_info small = btfi_restricted_info(&info, plan->effects, plan->components,
+                                                         plan->level, plan->views, plan->lights);
     const float lights = (float)(plan->scene.lights ? plan->scene.lights : 1);
     const btf_fold_costs costs = btf_fold_cost(material, &options, &plan->scene);
     /* of the restriction: fewer views, fewer texels */

@@ -28,18 +28,21 @@ static int capability_count(const btfi_gl_functions *gl) {
 }
 
 static void save_polygon_mode(const btfi_gl_functions *gl, btfi_gl_state *s) {
-    if (gl->is_es)
+    if (gl->is_es) {
         return;
+    }
     gl->GetIntegerv(GL_POLYGON_MODE, s->polygon_mode);
     gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
 static void restore_polygon_mode(const btfi_gl_functions *gl, const btfi_gl_state *s) {
-    if (gl->is_es)
+    if (gl->is_es) {
         return;
+    }
     gl->PolygonMode(GL_FRONT_AND_BACK, (uint32_t)s->polygon_mode[0]);
-    if (gl->is_compatibility && s->polygon_mode[1] != s->polygon_mode[0])
+    if (gl->is_compatibility && s->polygon_mode[1] != s->polygon_mode[0]) {
         gl->PolygonMode(GL_BACK, (uint32_t)s->polygon_mode[1]);
+    }
 }
 
 void btfi_gl_save_state(const btfi_gl_functions *gl, btfi_gl_state *s) {
@@ -71,8 +74,9 @@ void btfi_gl_save_state(const btfi_gl_functions *gl, btfi_gl_state *s) {
 }
 
 void btfi_gl_restore_state(const btfi_gl_functions *gl, const btfi_gl_state *s) {
-    for (int i = gl->is_es; i < BTFI_PACK_COUNT; ++i)
+    for (int i = gl->is_es; i < BTFI_PACK_COUNT; ++i) {
         gl->PixelStorei(pack_names[i], s->pack[i]);
+    }
     btfi_gl_restore_unpack(gl, &s->unpack);
     gl->BindBuffer(GL_PIXEL_PACK_BUFFER, (uint32_t)s->pack_buffer);
     gl->BindTexture(GL_TEXTURE_2D, (uint32_t)s->texture);
@@ -85,9 +89,11 @@ void btfi_gl_restore_state(const btfi_gl_functions *gl, const btfi_gl_state *s) 
     gl->Viewport(s->viewport[0], s->viewport[1], s->viewport[2], s->viewport[3]);
     gl->ColorMask(s->mask[0], s->mask[1], s->mask[2], s->mask[3]);
     restore_polygon_mode(gl, s);
-    for (int i = 0; i < capability_count(gl); ++i)
-        if (s->enabled[i])
+    for (int i = 0; i < capability_count(gl); ++i) {
+        if (s->enabled[i]) {
             gl->Enable(capabilities[i]);
+        }
+    }
 }
 
 static uint32_t compile(const btfi_gl_functions *gl, uint32_t kind, int count, const char *const *text,
@@ -130,16 +136,19 @@ uint32_t btfi_gl_program(const btfi_gl_functions *gl, int count, const char *con
             program = 0;
         }
     }
-    if (fragment)
+    if (fragment) {
         gl->DeleteShader(fragment);
-    if (vertex)
+    }
+    if (vertex) {
         gl->DeleteShader(vertex);
+    }
     return program;
 }
 
 void btfi_gl_version(const btfi_gl_functions *gl, char *out_line, size_t size) {
-    if (gl->is_es)
+    if (gl->is_es) {
         snprintf(out_line, size, "#version 3%d0 es\n", gl->minor > 2 ? 2 : gl->minor);
-    else
+    } else {
         snprintf(out_line, size, "#version %d%d0 core\n", gl->major, gl->minor);
+    }
 }

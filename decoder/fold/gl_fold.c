@@ -64,22 +64,25 @@ static const char sum_text[] =
     "    ivec2 at = ivec2(gl_FragCoord.xy);\n"
     "    vec3 sum = vec3(0.0);\n"
     "    if (btf_pass_from >= 0)\n"
-    "        sum = uintBitsToFloat(texelFetch(btf_pass_sum, ivec3(at, btf_pass_from), btf_pass_level).xyz);\n"
+    "        sum = uintBitsToFloat(texelFetch(btf_pass_sum, ivec3(at, btf_pass_from), "
+    "btf_pass_level).xyz);\n"
     "    vec3 value = btf_fold_both(uvec2(at), btf_pass_light, btf_pass_viewer, btf_pass_level);\n"
     "    btf_pass_value = uvec4(floatBitsToUint(btf_fold_add(sum, value, btf_pass_weight)), 0u);\n"
     "}\n";
 
-static btf_result make_texture(const btf_gl_fold *f, uint32_t layers, uint32_t *out_texture, const btf_log *log) {
+static btf_result make_texture(const btf_gl_fold *f, uint32_t layers, uint32_t *out_texture,
+                               const btf_log *log) {
     const btfi_gl_functions *api = &f->api;
     int32_t side = 0, most_layers = 0, bound = 0;
     btfi_gl_unpack unpack;
     api->GetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
     api->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
-    if ((int64_t)f->width > side || (int64_t)f->height > side || (int64_t)layers > most_layers)
+    if ((int64_t)f->width > side || (int64_t)f->height > side || (int64_t)layers > most_layers) {
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED,
                          "folded: %u x %u texels in %u layers exceed GL_MAX_TEXTURE_SIZE %d or "
                          "GL_MAX_ARRAY_TEXTURE_LAYERS %d",
                          f->width, f->height, layers, side, most_layers);
+    }
     api->GetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &bound);
     btfi_gl_save_unpack(api, &unpack); /* a bound buffer would be read from */
     api->GenTextures(1, out_texture);
@@ -91,17 +94,19 @@ static btf_result make_texture(const btf_gl_fold *f, uint32_t layers, uint32_t *
     api->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     api->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_BASE_LEVEL, 0);
     api->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, (int32_t)f->levels - 1);
-    for (uint32_t i = 0; i < f->levels; ++i)
+    for (uint32_t i = 0; i < f->levels; ++i) {
         api->TexImage3D(GL_TEXTURE_2D_ARRAY, (int32_t)i, GL_RGBA32UI, (int32_t)btf_level_size(f->width, i),
                         (int32_t)btf_level_size(f->height, i), (int32_t)layers, 0, GL_RGBA_INTEGER,
                         GL_UNSIGNED_INT, NULL);
+    }
     btfi_gl_restore_unpack(api, &unpack);
     api->BindTexture(GL_TEXTURE_2D_ARRAY, (uint32_t)bound);
     const uint32_t error = btfi_gl_errors(api);
-    if (error != GL_NO_ERROR)
+    if (error != GL_NO_ERROR) {
         return btfi_fail(log, error == GL_OUT_OF_MEMORY ? BTF_ERROR_MEMORY : BTF_ERROR_UNSUPPORTED,
                          "folded: GL refuses %u x %u x %u texels with error 0x%04x", f->width, f->height,
                          layers, error);
+    }
     return BTF_OK;
 }
 
@@ -111,8 +116,9 @@ static btf_result make_program(const btfi_gl_functions *api, const char *library
     btfi_gl_version(api, version, sizeof version);
     const char *parts[] = {version, library, body};
     out->name = btfi_gl_program(api, 3, parts, "fold", log);
-    if (!out->name)
+    if (!out->name) {
         return BTF_ERROR_UNSUPPORTED;
+    }
     out->light = api->GetUniformLocation(out->name, "btf_pass_light");
     out->view = api->GetUniformLocation(out->name, "btf_pass_view");
     out->viewer = api->GetUniformLocation(out->name, "btf_pass_viewer");
@@ -133,13 +139,15 @@ static btf_result make_pass(btf_gl_fold *f, const btf_material *material, const 
     pass.prefix = NULL;
     pass.bindings = BTF_BINDINGS_NONE;
     btf_result result = btf_shader_source(material, &pass, log, &library);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     result = make_program(&f->api, library, bodies[f->kind], log, &f->one);
-    if (f->kind == BTF_FOLD_BOTH)
+    if (f->kind == BTF_FOLD_BOTH) {
         f->library = library;
-    else
+    } else {
         btf_free(library);
+    }
     return result;
 }
 
@@ -147,17 +155,23 @@ btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options
                               const btf_log *log, btf_gl_fold **out_fold) {
     *out_fold = NULL;
     if (!options || options->struct_size < sizeof *options || !options->shader || lights < 1 ||
-        options->shader->fold < BTF_FOLD_LIGHT || options->shader->fold > BTF_FOLD_NEIGHBOURS)
-        return btfi_fail(log, BTF_ERROR_USAGE, "fold: options, their shader, its fold (1 to 3) or a light is missing; lights: %u", (unsigned)lights);
+        options->shader->fold < BTF_FOLD_LIGHT || options->shader->fold > BTF_FOLD_NEIGHBOURS) {
+        return btfi_fail(log, BTF_ERROR_USAGE,
+                         "fold: options, their shader, its fold (1 to 3) or a light is missing; lights: %u",
+                         (unsigned)lights);
+    }
     btf_material_info info = {.struct_size = sizeof info};
     btf_result result = btf_material_get_info(material, &info);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_fold_check(&info, options->shader, log);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         return result;
+    }
     btf_gl_fold *f = calloc(1, sizeof *f);
-    if (!f)
+    if (!f) {
         return btfi_fail(log, BTF_ERROR_MEMORY, "fold: out of memory");
+    }
     f->kind = options->shader->fold;
     f->width = info.width;
     f->height = info.height;
@@ -173,10 +187,12 @@ btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options
                                  lights, f->views)
                      : make_texture(f, f->views * lights, &f->texture, log);
     }
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = make_pass(f, material, options->shader, log);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         btf_gl_fold_destroy(&f);
+    }
     *out_fold = f;
     return result;
 }
@@ -196,8 +212,9 @@ static void begin(const btf_gl_fold *f, const fold_program *program, const float
     api->GenVertexArrays(1, &s->array);
     api->BindVertexArray(s->array);
     api->UseProgram(program->name);
-    if (program->viewer >= 0)
+    if (program->viewer >= 0) {
         api->Uniform3f(program->viewer, view[0], view[1], view[2]);
+    }
 }
 
 static btf_result end(const btf_gl_fold *f, stage *s, btf_result result, const btf_log *log) {
@@ -206,24 +223,30 @@ static btf_result end(const btf_gl_fold *f, stage *s, btf_result result, const b
     api->DeleteFramebuffers(1, &s->framebuffer);
     btfi_gl_restore_state(api, &s->saved);
     const uint32_t error = btfi_gl_errors(api);
-    if (result == BTF_OK && error != GL_NO_ERROR)
+    if (result == BTF_OK && error != GL_NO_ERROR) {
         result = btfi_fail(log, error == GL_OUT_OF_MEMORY ? BTF_ERROR_MEMORY : BTF_ERROR_UNSUPPORTED,
                            "fold: GL error 0x%04x while drawing", error);
+    }
     return result;
 }
 
 /* Draws a level of a layer; the program is current. */
-static btf_result draw_layer(const btf_gl_fold *f, const fold_program *program, const float light[3], uint32_t texture,
-                             uint32_t layer, uint32_t level, const btf_log *log) {
+static btf_result draw_layer(const btf_gl_fold *f, const fold_program *program, const float light[3],
+                             uint32_t texture, uint32_t layer, uint32_t level, const btf_log *log) {
     const btfi_gl_functions *api = &f->api;
-    if (program->light >= 0)
+    if (program->light >= 0) {
         api->Uniform3f(program->light, light[0], light[1], light[2]);
-    if (program->level >= 0)
+    }
+    if (program->level >= 0) {
         api->Uniform1i(program->level, (int32_t)level);
-    api->Viewport(0, 0, (int32_t)btf_level_size(f->width, level), (int32_t)btf_level_size(f->height, level));
-    api->FramebufferTextureLayer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, texture, (int32_t)level, (int32_t)layer);
-    if (level == 0 && api->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    }
+    api->Viewport(0, 0, (int32_t)btf_level_size(f->width, level),
+                  (int32_t)btf_level_size(f->height, level));
+    api->FramebufferTextureLayer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, texture, (int32_t)level,
+                                 (int32_t)layer);
+    if (level == 0 && api->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: an RGBA32UI framebuffer of layers is refused");
+    }
     api->DrawArrays(GL_TRIANGLES, 0, 3);
     return BTF_OK;
 }
@@ -231,12 +254,16 @@ static btf_result draw_layer(const btf_gl_fold *f, const fold_program *program, 
 /* What every call of a fold has in common. */
 static btf_result check_call(const btf_gl_fold *f, uint32_t number, const float *light, const float *view,
                              const btf_log *log) {
-    if (number >= f->lights)
-        return btfi_fail(log, BTF_ERROR_USAGE, "fold: light %u, but the fold has %u, from 0 on", number, f->lights);
-    if (!light)
+    if (number >= f->lights) {
+        return btfi_fail(log, BTF_ERROR_USAGE, "fold: light %u, but the fold has %u, from 0 on", number,
+                         f->lights);
+    }
+    if (!light) {
         return btfi_fail(log, BTF_ERROR_USAGE, "fold: the light is missing");
-    if (f->kind != BTF_FOLD_LIGHT && !view)
+    }
+    if (f->kind != BTF_FOLD_LIGHT && !view) {
         return btfi_fail(log, BTF_ERROR_USAGE, "fold: light and view are folded, but the view is missing");
+    }
     return BTF_OK;
 }
 
@@ -244,25 +271,30 @@ btf_result btf_gl_fold_run(btf_gl_fold *fold, btf_gl *textures, uint32_t first_u
                            const float light[3], const float view[3], const btf_log *log) {
     stage s;
     btf_result result = check_call(fold, number, light, view, log);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     btfi_gl_errors(&fold->api);
     result = btf_gl_bind(textures, fold->one.name, first_unit, NULL, log, NULL);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     begin(fold, &fold->one, view, &s);
-    for (uint32_t level = 0; level < fold->levels; ++level)
+    for (uint32_t level = 0; level < fold->levels; ++level) {
         for (uint32_t i = 0; i < fold->views && result == BTF_OK; ++i) {
-            if (fold->one.view >= 0)
+            if (fold->one.view >= 0) {
                 fold->api.Uniform1i(fold->one.view, (int32_t)i);
-            result = draw_layer(fold, &fold->one, light, fold->texture, number * fold->views + i, level, log);
+            }
+            result =
+                draw_layer(fold, &fold->one, light, fold->texture, number * fold->views + i, level, log);
         }
+    }
     return end(fold, &s, result, log);
 }
 
 /* Every light draws what the one before left in the other of two textures; the last draws into the fold's. */
-static btf_result draw_sum(const btf_gl_fold *f, uint32_t other, uint32_t unit, uint32_t number, uint32_t count,
-                           const float *lights, const float *weights, const btf_log *log) {
+static btf_result draw_sum(const btf_gl_fold *f, uint32_t other, uint32_t unit, uint32_t number,
+                           uint32_t count, const float *lights, const float *weights, const btf_log *log) {
     const btfi_gl_functions *api = &f->api;
     const fold_program *p = &f->sum;
     const uint32_t texture[2] = {f->texture, other}, layer[2] = {number, 0};
@@ -270,46 +302,55 @@ static btf_result draw_sum(const btf_gl_fold *f, uint32_t other, uint32_t unit, 
     api->Uniform1i(p->sum, (int32_t)unit);
     api->ActiveTexture(GL_TEXTURE0 + unit);
     api->BindSampler(unit, 0);
-    for (uint32_t level = 0; level < f->levels; ++level)
+    for (uint32_t level = 0; level < f->levels; ++level) {
         for (uint32_t i = 0; i < count && result == BTF_OK; ++i) {
             const uint32_t to = (count - 1 - i) % 2;
             api->BindTexture(GL_TEXTURE_2D_ARRAY, texture[1 - to]);
             api->Uniform1i(p->from, i == 0 ? -1 : (int32_t)layer[1 - to]);
-            api->Uniform3f(p->weight, weights[3 * (size_t)i], weights[3 * (size_t)i + 1], weights[3 * (size_t)i + 2]);
+            api->Uniform3f(p->weight, weights[3 * (size_t)i], weights[3 * (size_t)i + 1],
+                           weights[3 * (size_t)i + 2]);
             result = draw_layer(f, p, lights + 3 * (size_t)i, texture[to], layer[to], level, log);
         }
+    }
     api->BindTexture(GL_TEXTURE_2D_ARRAY, 0);
     return result;
 }
 
 btf_result btf_gl_fold_run_lights(btf_gl_fold *fold, btf_gl *textures, uint32_t first_unit, uint32_t number,
-                                  uint32_t count, const float *lights, const float *weights, const float view[3],
-                                  const btf_log *log) {
+                                  uint32_t count, const float *lights, const float *weights,
+                                  const float view[3], const btf_log *log) {
     stage s;
     uint32_t units = 0, other = 0;
     btf_result result = check_call(fold, number, lights, view, log);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
-    if (fold->kind != BTF_FOLD_BOTH || count < 1 || !weights)
-        return btfi_fail(log, BTF_ERROR_USAGE,
-                         "fold: lights are added up where light and view are folded to radiance, with weights; fold %d, "
-                         "%u lights",
-                         (int)fold->kind, (unsigned)count);
+    }
+    if (fold->kind != BTF_FOLD_BOTH || count < 1 || !weights) {
+        return btfi_fail(
+            log, BTF_ERROR_USAGE,
+            "fold: lights are added up where light and view are folded to radiance, with weights; fold %d, "
+            "%u lights",
+            (int)fold->kind, (unsigned)count);
+    }
     btfi_gl_errors(&fold->api);
-    if (!fold->sum.name)
+    if (!fold->sum.name) {
         result = make_program(&fold->api, fold->library, sum_text, log, &fold->sum);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = make_texture(fold, 1, &other, log);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = btf_gl_bind(textures, fold->sum.name, first_unit, NULL, log, &units);
+    }
     if (result == BTF_OK) {
         begin(fold, &fold->sum, view, &s);
         result = draw_sum(fold, other, first_unit + units, number, count, lights, weights, log);
         fold->api.ActiveTexture(GL_TEXTURE0 + (uint32_t)s.saved.unit);
         result = end(fold, &s, result, log);
     }
-    if (other)
+    if (other) {
         fold->api.DeleteTextures(1, &other);
+    }
     return result;
 }
 
@@ -319,8 +360,9 @@ void btf_gl_fold_bind(btf_gl_fold *fold, uint32_t program, uint32_t unit, const 
     int32_t current = 0, active = 0, deleted = 0;
     snprintf(name, sizeof name, "%.48s_folded", prefix ? prefix : "btf");
     api->GetIntegerv(GL_CURRENT_PROGRAM, &current);
-    if (current) /* one that is deleted while current ends when another takes its place */
+    if (current) { /* one that is deleted while current ends when another takes its place */
         api->GetProgramiv((uint32_t)current, GL_DELETE_STATUS, &deleted);
+    }
     api->GetIntegerv(GL_ACTIVE_TEXTURE, &active);
     api->UseProgram(program);
     const int32_t location = api->GetUniformLocation(program, name);
@@ -330,8 +372,9 @@ void btf_gl_fold_bind(btf_gl_fold *fold, uint32_t program, uint32_t unit, const 
         api->BindSampler(unit, 0);
         api->Uniform1i(location, (int32_t)unit);
     }
-    if (!deleted)
+    if (!deleted) {
         api->UseProgram((uint32_t)current);
+    }
     api->ActiveTexture((uint32_t)active);
 }
 
@@ -344,14 +387,18 @@ size_t btf_gl_fold_bytes(const btf_gl_fold *fold) {
 }
 
 void btf_gl_fold_destroy(btf_gl_fold **fold) {
-    if (!fold || !*fold)
+    if (!fold || !*fold) {
         return;
-    if ((*fold)->texture)
+    }
+    if ((*fold)->texture) {
         (*fold)->api.DeleteTextures(1, &(*fold)->texture);
-    if ((*fold)->one.name)
+    }
+    if ((*fold)->one.name) {
         (*fold)->api.DeleteProgram((*fold)->one.name);
-    if ((*fold)->sum.name)
+    }
+    if ((*fold)->sum.name) {
         (*fold)->api.DeleteProgram((*fold)->sum.name);
+    }
     btf_free((*fold)->library);
     free(*fold);
     *fold = NULL;

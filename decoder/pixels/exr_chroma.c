@@ -27,18 +27,22 @@ static float between(const float *samples, size_t step, int n, int k) {
 /* Fills in the columns, then the rows between those that have chroma. */
 static void fill_in(int width, int height, int x_step, int y_step, float *pixels) {
     const size_t row = (size_t)width * 3;
-    for (int y = 0; x_step == 2 && y < height; y += y_step)
-        for (int x = 1; x < width; x += 2)
+    for (int y = 0; x_step == 2 && y < height; y += y_step) {
+        for (int x = 1; x < width; x += 2) {
             for (size_t c = 0; c < 3; c += 2) {
                 float *line = pixels + (size_t)y * row + c;
                 line[3 * (size_t)x] = between(line, 6, width / 2, x / 2);
             }
-    for (int y = 1; y_step == 2 && y < height; y += 2)
-        for (int x = 0; x < width; x++)
+        }
+    }
+    for (int y = 1; y_step == 2 && y < height; y += 2) {
+        for (int x = 0; x < width; x++) {
             for (size_t c = 0; c < 3; c += 2) {
                 float *column = pixels + 3 * (size_t)x + c;
                 column[(size_t)y * row] = between(column, 2 * row, height / 2, y / 2);
             }
+        }
+    }
 }
 
 static void to_rgb(const float weights[3], size_t count, float *pixels) {
@@ -65,8 +69,9 @@ static void desaturate(float *p, float factor, const float weights[3]) {
         p[c] = fmaxf(most - (most - p[c]) * factor, 0.0f);
         after += weights[c] * p[c];
     }
-    for (int c = 0; c < 3 && after > 0.0f; c++)
+    for (int c = 0; c < 3 && after > 0.0f; c++) {
         p[c] *= before / after;
+    }
 }
 
 /* One row in place, by the rows above and below as they were. */
@@ -80,8 +85,9 @@ static void limit_row(int width, const float *above, const float *below, const f
         const float mean = fminf(1.0f, 0.25f * sum), most = fminf(1.0f, 1.0f - (1.0f - mean) * 0.25f);
         float *p = row + 3 * (size_t)x;
         const float own = saturation(p);
-        if (own > mean && own > most)
+        if (own > mean && own > most) {
             desaturate(p, most / own, weights);
+        }
     }
 }
 
@@ -89,8 +95,9 @@ btf_result exr_chroma_to_rgb(int width, int height, int x_step, int y_step, cons
                              float *pixels) {
     const size_t row = (size_t)width * 3;
     float *kept = malloc(2 * row * sizeof *kept); /* a row and the one above, as they were */
-    if (!kept)
+    if (!kept) {
         return BTF_ERROR_MEMORY;
+    }
     fill_in(width, height, x_step, y_step, pixels);
     to_rgb(weights, (size_t)width * (size_t)height, pixels);
     for (int y = 0; y < height && (x_step == 2 || y_step == 2); y++) {

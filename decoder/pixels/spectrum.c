@@ -29,8 +29,9 @@ static void matching(double nm, double out[3]) {
 }
 
 static double illuminant(int nm, bool emission) {
-    if (emission)
+    if (emission) {
         return 1.0;
+    }
     const int i = (nm - FIRST) / 10;
     const double t = (nm - FIRST) % 10 / 10.0;
     return i < 40 ? d65[i] + t * (d65[i + 1] - d65[i]) : d65[40];
@@ -46,23 +47,26 @@ void spectrum_weights(const double *nm, size_t count, bool emission, float (*wei
             double xyz[3] = {0, 0, 0};
             for (int at = FIRST; at <= LAST; at++) {
                 double share = 0.0, m[3];
-                if (count == 1 || (i == 0 && at <= nm[0]) || (i == count - 1 && at >= nm[i]))
+                if (count == 1 || (i == 0 && at <= nm[0]) || (i == count - 1 && at >= nm[i])) {
                     share = 1.0;
-                else if (i > 0 && at > nm[i - 1] && at <= nm[i])
+                } else if (i > 0 && at > nm[i - 1] && at <= nm[i]) {
                     share = (at - nm[i - 1]) / (nm[i] - nm[i - 1]);
-                else if (i < count - 1 && at > nm[i] && at < nm[i + 1])
+                } else if (i < count - 1 && at > nm[i] && at < nm[i + 1]) {
                     share = (nm[i + 1] - at) / (nm[i + 1] - nm[i]);
+                }
                 matching(at, m);
-                for (int c = 0; c < 3; c++)
+                for (int c = 0; c < 3; c++) {
                     xyz[c] += share * m[c] * illuminant(at, emission);
+                }
             }
             luminance += pass == 0 ? xyz[1] : 0.0;
             for (int c = 0; c < 3; c++) {
                 const double rgb =
                     to_rgb[3 * c] * xyz[0] + to_rgb[3 * c + 1] * xyz[1] + to_rgb[3 * c + 2] * xyz[2];
                 total[c] += pass == 0 ? rgb : 0.0;
-                if (pass == 1)
+                if (pass == 1) {
                     weights[i][c] = (float)(rgb / (emission ? luminance : total[c]));
+                }
             }
         }
     }

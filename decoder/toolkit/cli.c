@@ -24,13 +24,16 @@ static const char *const effect_words[CLI_EFFECTS_COUNT] = {"shadow",   "shift",
 void cli_print(const char *program, btf_log_level level, const char *message) {
     static const char *const kinds[] = {"error: ", "warning: ", ""};
     char *safe = malloc(4 * strlen(message) + 1), *to = safe;
-    for (const char *c = message; safe && *c; c++)
-        if (((unsigned char)*c < ' ' && *c != '\n' && *c != '\t') || *c == 0x7f)
+    for (const char *c = message; safe && *c; c++) {
+        if (((unsigned char)*c < ' ' && *c != '\n' && *c != '\t') || *c == 0x7f) {
             to += sprintf(to, "\\x%02x", (unsigned)*c);
-        else
+        } else {
             *to++ = *c;
-    if (safe)
+        }
+    }
+    if (safe) {
         *to = 0;
+    }
     fprintf(stderr, "%s: %s%s\n", program, kinds[level], safe ? safe : "out of memory for a message");
     free(safe);
 }
@@ -40,8 +43,9 @@ static void print_error(const char *program, const char *format, va_list argumen
 
 static void print_error(const char *program, const char *format, va_list arguments) {
     char *message = NULL;
-    if (vasprintf(&message, format, arguments) < 0)
+    if (vasprintf(&message, format, arguments) < 0) {
         message = NULL;
+    }
     cli_print(program, BTF_LOG_ERROR, message ? message : format);
     free(message);
 }
@@ -59,8 +63,9 @@ static void log_all(void *user, btf_log_level level, const char *message) {
 }
 
 static void log_quiet(void *user, btf_log_level level, const char *message) {
-    if (level != BTF_LOG_INFO)
+    if (level != BTF_LOG_INFO) {
         log_all(user, level, message);
+    }
 }
 
 btf_log cli_log(const cli_program *program, bool quiet) {
@@ -83,12 +88,14 @@ const char *cli_effect_word(int i) {
 
 const char *cli_effects_text(uint32_t effects, char *buffer) {
     buffer[0] = 0;
-    for (int i = 0; i < CLI_EFFECTS_COUNT; i++)
+    for (int i = 0; i < CLI_EFFECTS_COUNT; i++) {
         if (effects & 1u << i) {
-            if (buffer[0])
+            if (buffer[0]) {
                 strcat(buffer, ",");
+            }
             strcat(buffer, effect_words[i]);
         }
+    }
     return buffer[0] ? buffer : strcpy(buffer, "none");
 }
 
@@ -99,10 +106,12 @@ static const char *argument_name(const cli_option *option) {
     static const char *const names[] = {
         [CLI_STRING] = "TEXT", [CLI_INT] = "N",      [CLI_DOUBLE] = "X",     [CLI_SIZE] = "WxH",
         [CLI_BYTES] = "SIZE",  [CLI_ANGLES] = "T,P", [CLI_EFFECTS] = "LIST", [CLI_CUSTOM] = "VALUE"};
-    if (option->type == CLI_FLAG)
+    if (option->type == CLI_FLAG) {
         return "";
-    if (option->arg)
+    }
+    if (option->arg) {
         return option->arg;
+    }
     return option->type == CLI_CHOICE ? option->choices : names[option->type];
 }
 
@@ -110,8 +119,9 @@ static const char *argument_name(const cli_option *option) {
 static void print_indented(const char *text, int indent) {
     for (; *text; text++) {
         putchar(*text);
-        if (*text == '\n')
+        if (*text == '\n') {
             printf("%*s", indent, "");
+        }
     }
     putchar('\n');
 }
@@ -141,27 +151,34 @@ static void print_exit_codes(void) {
     printf("\nExit codes:\n");
     for (int i = 0; i < count; i++) {
         bool seen = false;
-        for (int k = 0; k < i; k++)
+        for (int k = 0; k < i; k++) {
             seen = seen || results[k].code == results[i].code;
-        if (seen)
+        }
+        if (seen) {
             continue;
+        }
         printf("  %3d  %s", results[i].code, results[i].text);
-        for (int k = i + 1; k < count; k++)
-            if (results[k].code == results[i].code)
+        for (int k = i + 1; k < count; k++) {
+            if (results[k].code == results[i].code) {
                 printf(", %s", results[k].text);
+            }
+        }
         putchar('\n');
     }
 }
 
 static void print_help(const cli_program *program) {
     printf("Usage: %s %s\n\n%s\n\nOptions:\n", program->name, program->usage, program->summary);
-    for (const cli_option *option = program->options; option->type != CLI_END; option++)
-        if (option->help)
+    for (const cli_option *option = program->options; option->type != CLI_END; option++) {
+        if (option->help) {
             print_option(option->short_name, option->name, argument_name(option), option->help);
+        }
+    }
     print_option('h', "help", "", "print this and end");
     print_option(0, "version", "", "print the version and end");
-    if (program->details)
+    if (program->details) {
         printf("\n%s\n", program->details);
+    }
     print_exit_codes();
     printf("\nExample:\n  ");
     print_indented(program->example, 2);
@@ -197,21 +214,25 @@ static bool starts_number(const char *text) {
 
 bool cli_parse_double(const char *text, const char *ends, double *out, const char **end) {
     char *stop;
-    if (!starts_number(text))
+    if (!starts_number(text)) {
         return false;
+    }
     *out = strtod(text, &stop);
-    if (end)
+    if (end) {
         *end = stop;
+    }
     return stop != text && isfinite(*out) && (strchr(ends, *stop) != NULL || *stop == 0);
 }
 
 int cli_parse_doubles(const char *text, double *out, int most) {
     for (int count = 0; count < most;) {
         const char *end;
-        if (!cli_parse_double(text, ",", &out[count++], &end))
+        if (!cli_parse_double(text, ",", &out[count++], &end)) {
             return 0;
-        if (*end == '\0')
+        }
+        if (*end == '\0') {
             return count;
+        }
         text = end + 1;
     }
     return 0;
@@ -220,11 +241,13 @@ int cli_parse_doubles(const char *text, double *out, int most) {
 bool cli_parse_int(const char *text, const char *ends, int *out, const char **end) {
     char *stop;
     errno = 0;
-    if (!starts_number(text))
+    if (!starts_number(text)) {
         return false;
+    }
     long value = strtol(text, &stop, 10);
-    if (end)
+    if (end) {
         *end = stop;
+    }
     *out = (int)value;
     return stop != text && errno == 0 && *out == value && (strchr(ends, *stop) != NULL || *stop == 0);
 }
@@ -232,10 +255,12 @@ bool cli_parse_int(const char *text, const char *ends, int *out, const char **en
 static bool read_int(const cli_option *option, const char *text, wanted *w) {
     int value;
     want(w, "a whole number");
-    if (has_range(option))
+    if (has_range(option)) {
         want(w, "a whole number within %.0f to %.0f", option->minimum, option->maximum);
-    if (!cli_parse_int(text, "", &value, NULL) || !in_range(option, value))
+    }
+    if (!cli_parse_int(text, "", &value, NULL) || !in_range(option, value)) {
         return false;
+    }
     *(int *)option->value = value;
     return true;
 }
@@ -243,10 +268,12 @@ static bool read_int(const cli_option *option, const char *text, wanted *w) {
 static bool read_double(const cli_option *option, const char *text, wanted *w) {
     double value;
     want(w, "a number");
-    if (has_range(option))
+    if (has_range(option)) {
         want(w, "a number within %g to %g", option->minimum, option->maximum);
-    if (!cli_parse_double(text, "", &value, NULL) || !in_range(option, value))
+    }
+    if (!cli_parse_double(text, "", &value, NULL) || !in_range(option, value)) {
         return false;
+    }
     *(double *)option->value = value;
     return true;
 }
@@ -271,12 +298,14 @@ static bool read_size(const cli_option *option, const char *text, wanted *w) {
     int width, height;
     const char *end;
     want(w, "WIDTHxHEIGHT, for instance 64x64");
-    if (has_range(option))
+    if (has_range(option)) {
         want(w, "WIDTHxHEIGHT, each within %.0f to %.0f", option->minimum, option->maximum);
+    }
     if (!cli_parse_int(text, "x", &width, &end) || *end != 'x' ||
         !cli_parse_int(end + 1, "", &height, NULL) || width < 1 || height < 1 || !in_range(option, width) ||
-        !in_range(option, height))
+        !in_range(option, height)) {
         return false;
+    }
     ((int *)option->value)[0] = width;
     ((int *)option->value)[1] = height;
     return true;
@@ -287,14 +316,16 @@ static bool read_size(const cli_option *option, const char *text, wanted *w) {
 static double unit_bytes(const char *text) {
     static const char prefixes[] = "kmgt";
     double factor = 1;
-    if (*text == ' ' && !text[strspn(text, " ")])
+    if (*text == ' ' && !text[strspn(text, " ")]) {
         return 0;
+    }
     text += strspn(text, " ");
     const char *prefix = *text ? strchr(prefixes, tolower((unsigned char)*text)) : NULL;
     if (prefix) {
         const bool binary = tolower((unsigned char)text[1]) == 'i';
-        for (const char *p = prefixes; p <= prefix; p++)
+        for (const char *p = prefixes; p <= prefix; p++) {
             factor *= binary ? 1024 : 1000;
+        }
         text += binary ? 2 : 1;
     }
     text += tolower((unsigned char)*text) == 'b';
@@ -305,17 +336,20 @@ static bool read_bytes(const cli_option *option, const char *text, wanted *w) {
     double value;
     const char *end;
     want(w, "a number of bytes, for instance 512M, 2.5GB (powers of 1000) or 2GiB (of 1024)");
-    if (has_range(option))
+    if (has_range(option)) {
         want(w,
              "a number of bytes within %.0f to %.0f, for instance 512M, 2.5GB (powers of 1000) or 2GiB (of "
              "1024)",
              option->minimum, option->maximum);
-    if (!cli_parse_double(text, " BbKkMmGgTt", &value, &end) || value < 0)
+    }
+    if (!cli_parse_double(text, " BbKkMmGgTt", &value, &end) || value < 0) {
         return false;
+    }
     const double factor = unit_bytes(end);
     value *= factor;
-    if (factor == 0 || value >= 0x1p63 || !in_range(option, value))
+    if (factor == 0 || value >= 0x1p63 || !in_range(option, value)) {
         return false;
+    }
     *(uint64_t *)option->value = (uint64_t)value;
     return true;
 }
@@ -324,8 +358,9 @@ static bool read_angles(const cli_option *option, const char *text, wanted *w) {
     double angles[2];
     want(w, "THETA,PHI in degrees, theta within 0 to 90, phi within -360 to 360");
     if (cli_parse_doubles(text, angles, 2) != 2 || angles[0] < 0 || angles[0] > 90 || angles[1] < -360 ||
-        angles[1] > 360)
+        angles[1] > 360) {
         return false;
+    }
     memcpy(option->value, angles, sizeof angles);
     return true;
 }
@@ -338,20 +373,23 @@ static bool read_effects(const cli_option *option, const char *text, wanted *w) 
         *(uint32_t *)option->value = UINT32_MAX;
         return true;
     }
-    if (!strcmp(text, "all"))
+    if (!strcmp(text, "all")) {
         effects = BTF_EFFECT_ALL;
-    else if (strcmp(text, "none"))
+    } else if (strcmp(text, "none")) {
         for (const char *word = text; word;) {
             size_t size = strcspn(word, ",");
             int i = 0;
             while (i < CLI_EFFECTS_COUNT &&
-                   (strlen(effect_words[i]) != size || memcmp(effect_words[i], word, size)))
+                   (strlen(effect_words[i]) != size || memcmp(effect_words[i], word, size))) {
                 i++;
-            if (i == CLI_EFFECTS_COUNT)
+            }
+            if (i == CLI_EFFECTS_COUNT) {
                 return false;
+            }
             effects |= 1u << i;
             word = word[size] ? word + size + 1 : NULL;
         }
+    }
     *(uint32_t *)option->value = effects;
     return true;
 }
@@ -361,8 +399,9 @@ static bool read_value(const cli_option *option, const char *text, wanted *w) {
     switch (option->type) {
     case CLI_STRING:
         want(w, "a text");
-        if (!*text)
+        if (!*text) {
             return false;
+        }
         *(const char **)option->value = text;
         return true;
     case CLI_INT:
@@ -395,10 +434,12 @@ static bool read_value(const cli_option *option, const char *text, wanted *w) {
 
 static const cli_option *find_option(const cli_program *program, const char *name, size_t length,
                                      char short_name) {
-    for (const cli_option *option = program->options; option->type != CLI_END; option++)
+    for (const cli_option *option = program->options; option->type != CLI_END; option++) {
         if (name ? strlen(option->name) == length && !memcmp(option->name, name, length)
-                 : option->short_name == short_name)
+                 : option->short_name == short_name) {
             return option;
+        }
+    }
     return NULL;
 }
 
@@ -421,39 +462,48 @@ static bool parse_option(const cli_program *program, int argc, char **argv, int 
     const char *name = word + 2;
     size_t length = is_long ? strcspn(name, "=") : 0;
     const cli_option *option = find_option(program, is_long ? name : NULL, length, word[1]);
-    if (!option)
+    if (!option) {
         return misuse(program, out_exit_code, "unknown option %s", word);
-    if (is_long && name[length] == '=')
+    }
+    if (is_long && name[length] == '=') {
         value = name + length + 1;
-    else if (!is_long && word[2])
+    } else if (!is_long && word[2]) {
         value = word + 2;
+    }
     if (option->type == CLI_FLAG) {
-        if (value)
+        if (value) {
             return misuse(program, out_exit_code, "option --%s takes no value, but has '%s'", option->name,
                           value);
+        }
         *(bool *)option->value = true;
     } else {
-        if (!value && *at + 1 >= argc)
+        if (!value && *at + 1 >= argc) {
             return misuse(program, out_exit_code, "option --%s: expected %s after it", option->name,
                           argument_name(option));
-        if (!value)
+        }
+        if (!value) {
             value = argv[++*at];
+        }
         wanted w = {""};
-        if (!read_value(option, value, &w))
+        if (!read_value(option, value, &w)) {
             return misuse(program, out_exit_code, "option --%s: '%s' is not %s", option->name, value,
                           w.text);
+        }
     }
-    if (option->given)
+    if (option->given) {
         *option->given = true;
+    }
     return true;
 }
 
 /* A file opened later must not become a closed standard stream, or messages are written into it. The file that
  * takes its place fails as a closed one does. */
 static void reserve_standard_streams(void) {
-    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
-        if (fcntl(fd, F_GETFD) < 0)
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++) {
+        if (fcntl(fd, F_GETFD) < 0) {
             (void)!open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+        }
+    }
 }
 
 bool cli_parse(const cli_program *program, int argc, char **argv, cli_arguments *out_arguments,
@@ -480,11 +530,13 @@ bool cli_parse(const cli_program *program, int argc, char **argv, cli_arguments 
         }
     }
     *out_arguments = (cli_arguments){argv + 1, count};
-    if (count < program->min_arguments)
+    if (count < program->min_arguments) {
         return misuse(program, out_exit_code, "%d argument%s given, expected: %s", count,
                       count == 1 ? "" : "s", program->usage);
-    if (program->max_arguments >= 0 && count > program->max_arguments)
+    }
+    if (program->max_arguments >= 0 && count > program->max_arguments) {
         return misuse(program, out_exit_code, "unexpected argument '%s', expected: %s",
                       out_arguments->values[program->max_arguments], program->usage);
+    }
     return true;
 }

@@ -14,10 +14,11 @@ static const double memory = 0.03;  /* of the whole time: over so much of it the
 void estimate_begin(estimate *e, const estimate_part *parts, size_t count, double now) {
     *e = (estimate){.began = now, .left = -1, .left_at = now};
     for (size_t i = 0; i < count; i++) {
-        if (e->count < ESTIMATE_PARTS)
+        if (e->count < ESTIMATE_PARTS) {
             e->parts[e->count++] = parts[i];
-        else
+        } else {
             e->parts[ESTIMATE_PARTS - 1].cost += parts[i].cost;
+        }
         e->total += parts[i].cost;
     }
 }
@@ -36,8 +37,9 @@ static void show(estimate *e) {
 /* The time left, from the costs and times known now; -1: not known. */
 static double raw_left(const estimate *e, double now) {
     const double here = cost_at(e), worked = e->worked + e->within * here, elapsed = now - e->began;
-    if (elapsed < least_seconds || worked < least_part * e->total || worked <= 0)
+    if (elapsed < least_seconds || worked < least_part * e->total || worked <= 0) {
         return -1;
+    }
     const double rate = elapsed / worked, weight = e->within / (e->within + own_rate);
     double left = (e->total - e->passed - here) * rate;
     if (here > 0 && e->within > 0) {
@@ -53,8 +55,9 @@ static double raw_left(const estimate *e, double now) {
 static void update(estimate *e, double now) {
     const double raw = raw_left(e, now), since = now - e->left_at;
     show(e);
-    if (raw < 0)
+    if (raw < 0) {
         return;
+    }
     if (e->left < 0 || e->jumped) {
         e->left = raw;
         e->jumped = false;
@@ -68,14 +71,16 @@ static void update(estimate *e, double now) {
 
 void estimate_stage(estimate *e, const char *stage, double now) {
     size_t next = e->at;
-    while (next < e->count && strcmp(e->parts[next].stage, stage) != 0)
+    while (next < e->count && strcmp(e->parts[next].stage, stage) != 0) {
         next++;
+    }
     e->active = next < e->count;
-    if (e->active)
+    if (e->active) {
         for (; e->at < next; e->at++) {
             e->passed += e->parts[e->at].cost;
             e->jumped = e->jumped || e->parts[e->at].cost > 0;
         }
+    }
     e->at_began = now;
     e->within = 0;
     update(e, now);
@@ -95,8 +100,9 @@ void estimate_stage_end(estimate *e, double part, double now) {
     e->active = false;
     e->within = 0;
     update(e, now);
-    if (e->at == e->count)
+    if (e->at == e->count) {
         e->shown = 1;
+    }
 }
 
 double estimate_fraction(const estimate *e) {
@@ -104,8 +110,9 @@ double estimate_fraction(const estimate *e) {
 }
 
 double estimate_left(const estimate *e, double now) {
-    if (e->left < 0)
+    if (e->left < 0) {
         return -1;
+    }
     const double since = now - e->left_at;
     return e->left > since && e->shown < 1 ? e->left - since : 0;
 }

@@ -36,8 +36,9 @@ static _Thread_local exr_stream *current;
 static void on_error(exr_const_context_t context, exr_result_t code, const char *text) {
     (void)context;
     (void)code;
-    if (current && !current->text[0])
+    if (current && !current->text[0]) {
         snprintf(current->text, sizeof current->text, "%s", text);
+    }
 }
 
 static int64_t on_size(exr_const_context_t context, void *user) {
@@ -50,8 +51,9 @@ static int64_t on_read(exr_const_context_t context, void *user, void *buffer, ui
     (void)context;
     (void)fail;
     const exr_stream *s = user;
-    if (offset >= s->size)
+    if (offset >= s->size) {
         return 0;
+    }
     const uint64_t n = size < s->size - offset ? size : s->size - offset;
     memcpy(buffer, s->data + offset, n);
     return (int64_t)n;
@@ -111,12 +113,17 @@ __attribute__((format(printf, 3, 4))) static btf_result fail(const reading *r, b
 
 /* Of the picture, which of its channels one of the list is; -1: none. */
 static int role_of(const reading *r, int channel) {
-    for (int c = 0; c < (r->choice.kind == EXR_KIND_GREY ? 1 : 3) && r->choice.kind != EXR_KIND_SPECTRUM; c++)
-        if (r->choice.channel[c] == channel)
+    for (int c = 0; c < (r->choice.kind == EXR_KIND_GREY ? 1 : 3) && r->choice.kind != EXR_KIND_SPECTRUM;
+         c++) {
+        if (r->choice.channel[c] == channel) {
             return c;
-    for (size_t b = 0; b < r->bands; b++)
-        if (r->band_channel[b] == channel)
+        }
+    }
+    for (size_t b = 0; b < r->bands; b++) {
+        if (r->band_channel[b] == channel) {
             return (int)b;
+        }
+    }
     return -1;
 }
 
@@ -136,8 +143,9 @@ static btf_result check_sampling(reading *r) {
         const bool free_to_differ = role < 0 && !r->tiled, is_chroma = chroma && role >= 0 && role != 1;
         if (exr_sampling_fits(channel, &r->window) &&
             (free_to_differ || (channel->x_sampling == (is_chroma ? r->x_step : 1) &&
-                                channel->y_sampling == (is_chroma ? r->y_step : 1))))
+                                channel->y_sampling == (is_chroma ? r->y_step : 1)))) {
             continue;
+        }
         return fail(r, BTF_ERROR_UNSUPPORTED,
                     "channel %.40s is subsampled %d x %d; only chroma (RY and BY, both by 2) may be: store "
                     "it at full size",
@@ -149,8 +157,9 @@ static btf_result check_sampling(reading *r) {
 /* Luminance and chroma to RGB, the luminance of R, G and B being that of the file's primaries. */
 static btf_result finish_chroma(const reading *r) {
     double xyz[9];
-    if (!primaries_to_xyz(&r->primaries, xyz) || !(fabs(xyz[4]) > 1e-6))
+    if (!primaries_to_xyz(&r->primaries, xyz) || !(fabs(xyz[4]) > 1e-6)) {
         return fail(r, BTF_ERROR_BAD_FILE, "the chromaticities span no colour space");
+    }
     const float weights[3] = {(float)xyz[3], (float)xyz[4], (float)xyz[5]};
     return exr_chroma_to_rgb(r->image.width, r->image.height, r->x_step, r->y_step, weights,
                              r->image.pixels);
@@ -179,21 +188,25 @@ static btf_result settle_spectrum(reading *r) {
         double wavelength;
         size_t length;
         if (exr_wavelength(name, &wavelength, &length) && length == strlen(r->choice.layer) &&
-            strncmp(name, r->choice.layer, length) == 0)
+            strncmp(name, r->choice.layer, length) == 0) {
             bands[r->bands++] = (band){wavelength, i};
+        }
     }
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         qsort(bands, r->bands, sizeof *bands, by_wavelength);
+    }
     for (size_t b = 0; b < r->bands && result == BTF_OK; b++) {
         nm[b] = bands[b].nm;
         r->band_channel[b] = bands[b].channel;
-        if (b > 0 && !(nm[b] > nm[b - 1]))
+        if (b > 0 && !(nm[b] > nm[b - 1])) {
             result = fail(r, BTF_ERROR_BAD_FILE, "two channels have the wavelength of %g nm", nm[b]);
+        }
     }
-    if (result == BTF_OK && (nm[0] > 780.0 || nm[r->bands - 1] < 380.0))
+    if (result == BTF_OK && (nm[0] > 780.0 || nm[r->bands - 1] < 380.0)) {
         result = fail(r, BTF_ERROR_UNSUPPORTED,
                       "the spectrum of %g to %g nm lies outside of what is visible, 380 to 780 nm", nm[0],
                       nm[r->bands - 1]);
+    }
     if (result == BTF_OK) {
         const bool emission = r->choice.layer[0] == 'S';
         spectrum_weights(nm, r->bands, emission, r->band_weights);
@@ -211,11 +224,14 @@ static int find_alpha(const reading *r) {
     const size_t length = strlen(r->choice.layer);
     for (int i = 0; i < r->list->num_channels; i++) {
         const char *name = r->list->entries[i].name.str;
-        if (strncmp(name, r->choice.layer, length) != 0 || (length && name[length] != '.') || role_of(r, i) >= 0)
+        if (strncmp(name, r->choice.layer, length) != 0 || (length && name[length] != '.') ||
+            role_of(r, i) >= 0) {
             continue;
+        }
         const char *own = name + length + (length > 0);
-        if (strcasecmp(own, "A") == 0 || strcasecmp(own, "alpha") == 0)
+        if (strcasecmp(own, "A") == 0 || strcasecmp(own, "alpha") == 0) {
             return i;
+        }
     }
     return -1;
 }
@@ -232,23 +248,27 @@ static btf_result read_samples(reading *r) {
     for (int i = 0; i < r->list->num_channels; i++) {
         const exr_attr_chlist_entry_t *channel = &r->list->entries[i];
         const int role = role_of(r, i);
-        if (role >= 0)
+        if (role >= 0) {
             targets[i] = (exr_target){.out = r->image.pixels + (r->bands ? 0 : role),
                                       .stride = n * (size_t)channel->x_sampling,
                                       .pitch = row * (size_t)channel->y_sampling,
                                       .weights = r->bands ? r->band_weights[role] : NULL};
+        }
     }
     const int alpha = find_alpha(r);
-    if (alpha >= 0)
+    if (alpha >= 0) {
         targets[alpha].below_one = &clear;
+    }
     btf_result result =
         result_of(exr_read_pixels(r->context, r->choice.part, &r->window, r->tiled, targets));
     free(targets);
-    if (clear)
+    if (clear) {
         image_note(r->info, IMAGE_NOTE_ALPHA,
                    "EXR: alpha below 1 is not used: colours are taken as they are stored");
-    if (result == BTF_OK && r->choice.kind == EXR_KIND_CHROMA)
+    }
+    if (result == BTF_OK && r->choice.kind == EXR_KIND_CHROMA) {
         result = finish_chroma(r);
+    }
     return result;
 }
 
@@ -258,11 +278,13 @@ static btf_result check_compression(const reading *r, exr_compression_t compress
                                          [EXR_COMPRESSION_B44A] = "B44A",
                                          [EXR_COMPRESSION_DWAA] = "DWAA",
                                          [EXR_COMPRESSION_DWAB] = "DWAB"};
-    if (compression < EXR_COMPRESSION_B44)
+    if (compression < EXR_COMPRESSION_B44) {
         return BTF_OK;
-    if (compression > EXR_COMPRESSION_DWAB)
+    }
+    if (compression > EXR_COMPRESSION_DWAB) {
         return fail(r, BTF_ERROR_UNSUPPORTED, "compression %d is not read: store it as ZIP or PIZ",
                     (int)compression);
+    }
     /* OpenEXRCore 3.1.5 has no DWA; of B44 it gives wrong values for floats, and fails on small tiles. */
     return fail(r, BTF_ERROR_UNSUPPORTED, "%s compression is not read: store it as ZIP or PIZ",
                 unread[compression]);
@@ -272,9 +294,10 @@ static btf_result check_size(reading *r, size_t max_pixels) {
     const int64_t width = (int64_t)r->window.max.x - r->window.min.x + 1;
     const int64_t height = (int64_t)r->window.max.y - r->window.min.y + 1;
     if (width < 1 || height < 1 || width > (1 << 20) || height > (1 << 20) ||
-        (uint64_t)width * (uint64_t)height > max_pixels)
+        (uint64_t)width * (uint64_t)height > max_pixels) {
         return fail(r, BTF_ERROR_UNSUPPORTED, "size %lldx%lld is not usable", (long long)width,
                     (long long)height);
+    }
     r->image.width = (int)width;
     r->image.height = (int)height;
     return BTF_OK;
@@ -284,15 +307,17 @@ static void take_chromaticities(reading *r) {
     exr_attr_chromaticities_t c;
     r->primaries = primaries_rec709;
     if (exr_attr_get_chromaticities(r->context, r->choice.part, "chromaticities", &c) != EXR_ERR_SUCCESS ||
-        r->choice.kind == EXR_KIND_XYZ || r->choice.kind == EXR_KIND_SPECTRUM)
+        r->choice.kind == EXR_KIND_XYZ || r->choice.kind == EXR_KIND_SPECTRUM) {
         return;
+    }
     r->has_chromaticities = true;
     r->primaries = (primaries){{(double)c.red_x, (double)c.red_y},
                                {(double)c.green_x, (double)c.green_y},
                                {(double)c.blue_x, (double)c.blue_y},
                                {(double)c.white_x, (double)c.white_y}};
-    if (r->choice.kind != EXR_KIND_GREY)
+    if (r->choice.kind != EXR_KIND_GREY) {
         image_info_primaries(r->info, "EXR chromaticities", &r->primaries);
+    }
 }
 
 /* Whether an attribute of that name says in which colour space the pixels are: "colorInteropID",
@@ -300,30 +325,48 @@ static void take_chromaticities(reading *r) {
 static bool names_space(const char *name) {
     static const char *const names[] = {"colorInteropID", "colorspace", "color_space", "colourspace"};
     const char *own = name;
-    for (const char *at = name; *at; at++)
-        if (strchr(":/.", *at))
+    for (const char *at = name; *at; at++) {
+        if (strchr(":/.", *at)) {
             own = at + 1;
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (strcasecmp(own, names[i]) == 0)
+        }
+    }
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (strcasecmp(own, names[i]) == 0) {
             return true;
+        }
+    }
     return false;
 }
 
 /* Whether the name of a colour space means linear Rec. 709: "lin_srgb", "Linear Rec.709", "scene_linear". */
 static bool is_linear_rec709(const char *name) {
-    static const char *const linear[] = {"linear",          "scenelinear",    "raw",           "data",
-                                         "linsrgb",         "linearsrgb",     "srgblinear",    "linrec709",
-                                         "linearrec709",    "linsrgbscene",   "linrec709scene", "linearrec709srgb",
-                                         "utilitylinearsrgb", "scenelinearrec709srgb"};
+    static const char *const linear[] = {"linear",
+                                         "scenelinear",
+                                         "raw",
+                                         "data",
+                                         "linsrgb",
+                                         "linearsrgb",
+                                         "srgblinear",
+                                         "linrec709",
+                                         "linearrec709",
+                                         "linsrgbscene",
+                                         "linrec709scene",
+                                         "linearrec709srgb",
+                                         "utilitylinearsrgb",
+                                         "scenelinearrec709srgb"};
     char plain[40];
     size_t used = 0;
-    for (; *name && used + 1 < sizeof plain; name++)
-        if (isalnum((unsigned char)*name))
+    for (; *name && used + 1 < sizeof plain; name++) {
+        if (isalnum((unsigned char)*name)) {
             plain[used++] = (char)tolower((unsigned char)*name);
+        }
+    }
     plain[used] = '\0';
-    for (size_t i = 0; i < sizeof linear / sizeof *linear; i++)
-        if (strcmp(plain, linear[i]) == 0)
+    for (size_t i = 0; i < sizeof linear / sizeof *linear; i++) {
+        if (strcmp(plain, linear[i]) == 0) {
             return true;
+        }
+    }
     return false;
 }
 
@@ -332,19 +375,25 @@ static bool is_linear_rec709(const char *name) {
 static void note_space(reading *r) {
     int32_t count = 0;
     if (r->has_chromaticities ||
-        exr_get_attribute_count(r->context, r->choice.part, &count) != EXR_ERR_SUCCESS)
+        exr_get_attribute_count(r->context, r->choice.part, &count) != EXR_ERR_SUCCESS) {
         return;
+    }
     for (int32_t i = 0; i < count; i++) {
         const exr_attribute_t *a;
         if (exr_get_attribute_by_index(r->context, r->choice.part, EXR_ATTR_LIST_FILE_ORDER, i, &a) !=
-            EXR_ERR_SUCCESS)
+            EXR_ERR_SUCCESS) {
             continue;
-        if (a->type == EXR_ATTR_STRING && names_space(a->name) && !is_linear_rec709(a->string->str))
-            image_note(r->info, IMAGE_NOTE_SPACE, "EXR: %.60s \"%.60s\" is not applied: taken as linear Rec. 709",
-                       a->name, a->string->str);
-        if (a->type == EXR_ATTR_INT && strcmp(a->name, "acesImageContainerFlag") == 0 && a->i == 1)
+        }
+        if (a->type == EXR_ATTR_STRING && names_space(a->name) && !is_linear_rec709(a->string->str)) {
             image_note(r->info, IMAGE_NOTE_SPACE,
-                       "EXR: acesImageContainerFlag without chromaticities is not applied: taken as Rec. 709");
+                       "EXR: %.60s \"%.60s\" is not applied: taken as linear Rec. 709", a->name,
+                       a->string->str);
+        }
+        if (a->type == EXR_ATTR_INT && strcmp(a->name, "acesImageContainerFlag") == 0 && a->i == 1) {
+            image_note(
+                r->info, IMAGE_NOTE_SPACE,
+                "EXR: acesImageContainerFlag without chromaticities is not applied: taken as Rec. 709");
+        }
     }
 }
 
@@ -353,10 +402,12 @@ static void note_views(reading *r) {
     const exr_attribute_t *a;
     if (r->choice.layer[0] ||
         exr_get_attribute_by_name(r->context, r->choice.part, "multiView", &a) != EXR_ERR_SUCCESS ||
-        a->type != EXR_ATTR_STRING_VECTOR || a->stringvector->n_strings < 2)
+        a->type != EXR_ATTR_STRING_VECTOR || a->stringvector->n_strings < 2) {
         return;
-    image_note(r->info, IMAGE_NOTE_PARTS, "EXR: of %d views \"%.60s\" is read (--layer %.60s reads another)",
-               (int)a->stringvector->n_strings, a->stringvector->strings[0].str, a->stringvector->strings[1].str);
+    }
+    image_note(
+        r->info, IMAGE_NOTE_PARTS, "EXR: of %d views \"%.60s\" is read (--layer %.60s reads another)",
+        (int)a->stringvector->n_strings, a->stringvector->strings[0].str, a->stringvector->strings[1].str);
 }
 
 static btf_result heed_attributes(reading *r) {
@@ -365,21 +416,26 @@ static btf_result heed_attributes(reading *r) {
     float number;
     int32_t orientation;
     exr_envmap_t envmap;
-    if (exr_attr_get_int(r->context, part, "Orientation", &orientation) == EXR_ERR_SUCCESS && orientation != 1)
+    if (exr_attr_get_int(r->context, part, "Orientation", &orientation) == EXR_ERR_SUCCESS &&
+        orientation != 1) {
         return fail(r, BTF_ERROR_UNSUPPORTED, "Orientation %d: turn the pixels, then set it to 1",
                     (int)orientation);
+    }
     if (exr_get_display_window(r->context, part, &display) == EXR_ERR_SUCCESS &&
-        memcmp(&display, &r->window, sizeof display) != 0)
+        memcmp(&display, &r->window, sizeof display) != 0) {
         image_note(r->info, IMAGE_NOTE_WINDOW,
                    "EXR: the data window (%d,%d)-(%d,%d) is read, not the display window (%d,%d)-(%d,%d)",
                    (int)r->window.min.x, (int)r->window.min.y, (int)r->window.max.x, (int)r->window.max.y,
                    (int)display.min.x, (int)display.min.y, (int)display.max.x, (int)display.max.y);
-    if (exr_get_pixel_aspect_ratio(r->context, part, &number) == EXR_ERR_SUCCESS && number != 1.0f)
-        image_note(r->info, IMAGE_NOTE_ASPECT, "EXR: pixelAspectRatio %g is not applied: pixels are taken as square",
-                   (double)number);
-    if (exr_attr_get_float(r->context, part, "whiteLuminance", &number) == EXR_ERR_SUCCESS)
-        image_note(r->info, IMAGE_NOTE_SCALE, "EXR: whiteLuminance %g cd/m^2 is not applied: values are relative",
-                   (double)number);
+    }
+    if (exr_get_pixel_aspect_ratio(r->context, part, &number) == EXR_ERR_SUCCESS && number != 1.0f) {
+        image_note(r->info, IMAGE_NOTE_ASPECT,
+                   "EXR: pixelAspectRatio %g is not applied: pixels are taken as square", (double)number);
+    }
+    if (exr_attr_get_float(r->context, part, "whiteLuminance", &number) == EXR_ERR_SUCCESS) {
+        image_note(r->info, IMAGE_NOTE_SCALE,
+                   "EXR: whiteLuminance %g cd/m^2 is not applied: values are relative", (double)number);
+    }
     r->image.cube = exr_attr_get_envmap(r->context, part, "envmap", &envmap) == EXR_ERR_SUCCESS &&
                     envmap == EXR_ENVMAP_CUBE;
     take_chromaticities(r);
@@ -392,30 +448,39 @@ static btf_result decode(reading *r, const char *layer, size_t max_pixels) {
     exr_storage_t storage;
     exr_compression_t compression;
     btf_result result = exr_choose(r->context, layer, &r->choice, r->info, r->message, r->message_size);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     const int part = r->choice.part;
     exr_result_t code = exr_get_storage(r->context, part, &storage);
-    if (code == EXR_ERR_SUCCESS)
+    if (code == EXR_ERR_SUCCESS) {
         code = exr_get_compression(r->context, part, &compression);
-    if (code == EXR_ERR_SUCCESS)
+    }
+    if (code == EXR_ERR_SUCCESS) {
         code = exr_get_data_window(r->context, part, &r->window);
-    if (code == EXR_ERR_SUCCESS)
+    }
+    if (code == EXR_ERR_SUCCESS) {
         code = exr_get_channels(r->context, part, &r->list);
-    if (code != EXR_ERR_SUCCESS)
+    }
+    if (code != EXR_ERR_SUCCESS) {
         return result_of(code);
+    }
     r->tiled = storage == EXR_STORAGE_TILED;
     r->image.channels = r->choice.kind == EXR_KIND_GREY ? 1 : 3;
     r->image.xyz = r->choice.kind == EXR_KIND_XYZ;
     result = check_compression(r, compression);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = check_size(r, max_pixels);
-    if (result == BTF_OK && r->choice.kind == EXR_KIND_SPECTRUM)
+    }
+    if (result == BTF_OK && r->choice.kind == EXR_KIND_SPECTRUM) {
         result = settle_spectrum(r);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = check_sampling(r);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = heed_attributes(r);
+    }
     current->text[0] = '\0'; /* OpenEXRCore complains of attributes that are not there */
     return result == BTF_OK ? read_samples(r) : result;
 }
@@ -432,8 +497,9 @@ btf_result exr_image_read(const void *data, size_t size, size_t max_pixels, cons
     message[0] = '\0';
     current = &stream;
     btf_result result = result_of(exr_start_read(&r.context, "memory", &options));
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = decode(&r, layer, max_pixels);
+    }
     exr_finish(&r.context);
     current = NULL;
     free(r.band_channel);
@@ -443,8 +509,9 @@ btf_result exr_image_read(const void *data, size_t size, size_t max_pixels, cons
         return BTF_OK;
     }
     free(r.image.pixels);
-    if (!message[0])
+    if (!message[0]) {
         snprintf(message, message_size, "EXR: %s", stream.text[0] ? stream.text : btf_result_text(result));
+    }
     return result;
 }
 
@@ -453,13 +520,15 @@ static exr_result_t describe_part(exr_context_t context, int width, int height, 
     const exr_attr_box2i_t window = {.max = {.x = width - 1, .y = height - 1}};
     const exr_attr_v2f_t centre = {.x = 0.0f, .y = 0.0f};
     exr_result_t code = exr_add_part(context, "image", EXR_STORAGE_SCANLINE, &part);
-    if (code == EXR_ERR_SUCCESS)
+    if (code == EXR_ERR_SUCCESS) {
         code = exr_initialize_required_attr(context, part, &window, &window, 1.0f, &centre, 1.0f,
                                             EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
+    }
     static const char *const names[3] = {"B", "G", "R"}; /* files list channels by name */
-    for (int c = 0; c < 3 && code == EXR_ERR_SUCCESS; c++)
+    for (int c = 0; c < 3 && code == EXR_ERR_SUCCESS; c++) {
         code = exr_add_channel(context, part, names[c], half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
                                EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+    }
     return code == EXR_ERR_SUCCESS ? exr_write_header(context) : code;
 }
 
@@ -488,11 +557,13 @@ static exr_result_t encode_chunks(exr_context_t context, int width, int height, 
     for (int y = 0; code == EXR_ERR_SUCCESS && y < height; y += lines) {
         exr_chunk_info_t chunk = {0};
         code = exr_write_scanline_chunk_info(context, 0, y, &chunk);
-        if (code == EXR_ERR_SUCCESS)
+        if (code == EXR_ERR_SUCCESS) {
             code = y == 0 ? exr_encoding_initialize(context, 0, &chunk, pipeline)
                           : exr_encoding_update(context, 0, &chunk, pipeline);
-        if (code != EXR_ERR_SUCCESS)
+        }
+        if (code != EXR_ERR_SUCCESS) {
             return code;
+        }
         for (int i = 0; i < pipeline->channel_count; i++) {
             exr_coding_channel_info_t *channel = &pipeline->channels[i];
             const int c = strchr("RGB", channel->channel_name[0]) - "RGB";
@@ -508,8 +579,9 @@ static exr_result_t encode_chunks(exr_context_t context, int width, int height, 
             pipeline->compress_fn = compress_chunk;
             pipeline->encoding_user_data = &state;
         }
-        if (code == EXR_ERR_SUCCESS)
+        if (code == EXR_ERR_SUCCESS) {
             code = exr_encoding_run(context, 0, pipeline);
+        }
     }
     return code;
 }
@@ -517,8 +589,9 @@ static exr_result_t encode_chunks(exr_context_t context, int width, int height, 
 /* A copy whose values fit a half float. */
 static float *clamp_to_half(const float *rgb, size_t count) {
     float *copy = malloc(count * sizeof *copy);
-    for (size_t i = 0; copy && i < count; i++)
+    for (size_t i = 0; copy && i < count; i++) {
         copy[i] = fminf(fmaxf(rgb[i], -65504.0f), 65504.0f);
+    }
     return copy;
 }
 
@@ -527,8 +600,9 @@ btf_result exr_image_write(const char *path, int width, int height, const float 
     float *clamped = NULL;
     if (half) {
         clamped = clamp_to_half(rgb, (size_t)width * (size_t)height * 3);
-        if (!clamped)
+        if (!clamped) {
             return BTF_ERROR_MEMORY;
+        }
         rgb = clamped;
     }
     output *file;
@@ -546,19 +620,24 @@ btf_result exr_image_write(const char *path, int width, int height, const float 
     exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
     current = &stream;
     exr_result_t code = exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &options);
-    if (code == EXR_ERR_SUCCESS)
+    if (code == EXR_ERR_SUCCESS) {
         code = describe_part(context, width, height, half);
-    if (code == EXR_ERR_SUCCESS)
+    }
+    if (code == EXR_ERR_SUCCESS) {
         code = encode_chunks(context, width, height, rgb, &pipeline);
-    if (context)
+    }
+    if (context) {
         exr_encoding_destroy(context, &pipeline);
+    }
     const exr_result_t finished = exr_finish(&context);
     current = NULL;
     free(clamped);
-    if (code == EXR_ERR_SUCCESS)
+    if (code == EXR_ERR_SUCCESS) {
         code = finished;
-    if (code == EXR_ERR_SUCCESS)
+    }
+    if (code == EXR_ERR_SUCCESS) {
         return output_commit(&file);
+    }
     output_abort(&file);
     if (log.callback) {
         char text[512];

@@ -14,8 +14,9 @@
 
 static void say(const btf_log *log, btf_log_level level, const char *format, va_list arguments) {
     char text[1200];
-    if (!log || !log->callback)
+    if (!log || !log->callback) {
         return;
+    }
     vsnprintf(text, sizeof text, format, arguments);
     log->callback(log->user, level, text);
 }
@@ -37,12 +38,14 @@ void file_warn(const btf_log *log, const char *format, ...) {
 bool file_is_exr(const char *path) {
     char begin[4] = "";
     struct stat status;
-    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
+    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode)) {
         return false;
+    }
     FILE *file = fopen(path, "rb");
     const size_t size = file ? fread(begin, 1, sizeof begin, file) : 0;
-    if (file)
+    if (file) {
         fclose(file);
+    }
     return size == sizeof begin && memcmp(begin, "\x76\x2f\x31\x01", sizeof begin) == 0;
 }
 

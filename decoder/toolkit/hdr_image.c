@@ -18,14 +18,17 @@ typedef struct cursor {
  * beginning; false at the end of the data. */
 static bool read_line(cursor *c, char *text, size_t size) {
     const unsigned char *end = memchr(c->p, '\n', (size_t)(c->end - c->p));
-    if (!end)
+    if (!end) {
         return false;
+    }
     size_t length = (size_t)(end - c->p);
     length = length < size - 1 ? length : size - 1;
     memcpy(text, c->p, length);
     c->p = end + 1;
-    while (length > 0 && (text[length - 1] == ' ' || text[length - 1] == '\t' || text[length - 1] == '\r'))
+    while (length > 0 &&
+           (text[length - 1] == ' ' || text[length - 1] == '\t' || text[length - 1] == '\r')) {
         length--;
+    }
     text[length] = '\0';
     return true;
 }
@@ -34,16 +37,20 @@ static bool read_line(cursor *c, char *text, size_t size) {
 static bool read_new_line(cursor *c, unsigned char *rgbe, int width) {
     for (int component = 0; component < 4; component++) {
         for (int x = 0; x < width;) {
-            if (c->end - c->p < 2)
+            if (c->end - c->p < 2) {
                 return false;
+            }
             int count = *c->p++;
             const bool run = count > 128;
-            if (run)
+            if (run) {
                 count -= 128;
-            if (count == 0 || count > width - x || c->end - c->p < (run ? 1 : count))
+            }
+            if (count == 0 || count > width - x || c->end - c->p < (run ? 1 : count)) {
                 return false;
-            for (int i = 0; i < count; i++)
+            }
+            for (int i = 0; i < count; i++) {
                 rgbe[4 * (x++) + component] = run ? *c->p : c->p[i];
+            }
             c->p += run ? 1 : count;
         }
     }
@@ -54,14 +61,17 @@ static bool read_new_line(cursor *c, unsigned char *rgbe, int width) {
 static bool read_old_line(cursor *c, unsigned char *rgbe, int width) {
     int shift = 0;
     for (int x = 0; x < width;) {
-        if (c->end - c->p < 4)
+        if (c->end - c->p < 4) {
             return false;
+        }
         if (c->p[0] == 1 && c->p[1] == 1 && c->p[2] == 1) {
             const long count = shift < 24 ? (long)c->p[3] << shift : -1;
-            if (x == 0 || count < 0 || count > width - x)
+            if (x == 0 || count < 0 || count > width - x) {
                 return false;
-            for (long i = 0; i < count; i++, x++)
+            }
+            for (long i = 0; i < count; i++, x++) {
                 memcpy(rgbe + 4 * x, rgbe + 4 * (x - 1), 4);
+            }
             shift += 8;
         } else {
             memcpy(rgbe + 4 * x++, c->p, 4);
@@ -96,11 +106,13 @@ typedef struct header {
  * they are there. */
 static bool read_values(const char *line, const char *key, double *values, int count, bool *out_good) {
     const size_t length = strlen(key);
-    if (strncmp(line, key, length) != 0)
+    if (strncmp(line, key, length) != 0) {
         return false;
+    }
     const char *at = line + length + strspn(line + length, " \t");
-    if (*at++ != '=')
+    if (*at++ != '=') {
         return false;
+    }
     *out_good = true;
     for (int i = 0; i < count; i++) {
         char *end;
@@ -129,39 +141,48 @@ static bool heed_line(header *h, image_info *info) {
         return h->xyz || strcmp(format, "32-bit_rle_rgbe") == 0;
     }
     if (read_values(h->text, "EXPOSURE", v, 1, &good)) {
-        if (good && v[0] == 0.0)
+        if (good && v[0] == 0.0) {
             image_note(info, IMAGE_NOTE_EXPOSURE, "HDR: EXPOSURE=0 is taken as 1");
-        for (int c = 0; c < 3; c++)
+        }
+        for (int c = 0; c < 3; c++) {
             good = good && undo(&h->scale[c], v[0]);
+        }
     } else if (read_values(h->text, "COLORCORR", v, 3, &good)) {
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             good = good && undo(&h->scale[c], v[c]);
+        }
     } else if (read_values(h->text, "PRIMARIES", v, 8, &good)) {
         const primaries p = {{v[0], v[1]}, {v[2], v[3]}, {v[4], v[5]}, {v[6], v[7]}};
-        if (good)
+        if (good) {
             image_info_primaries(info, "HDR PRIMARIES", &p);
+        }
     } else if (read_values(h->text, "GAMMA", v, 1, &good)) {
-        if (good && v[0] != 1.0)
-            image_note(info, IMAGE_NOTE_GAMMA, "HDR: GAMMA=%g is not applied: values are taken as linear", v[0]);
-    } else if (read_values(h->text, "PIXASPECT", v, 1, &good)) {
-        if (good && v[0] != 1.0)
-            image_note(info, IMAGE_NOTE_ASPECT, "HDR: PIXASPECT=%g is not applied: pixels are taken as square",
+        if (good && v[0] != 1.0) {
+            image_note(info, IMAGE_NOTE_GAMMA, "HDR: GAMMA=%g is not applied: values are taken as linear",
                        v[0]);
+        }
+    } else if (read_values(h->text, "PIXASPECT", v, 1, &good)) {
+        if (good && v[0] != 1.0) {
+            image_note(info, IMAGE_NOTE_ASPECT,
+                       "HDR: PIXASPECT=%g is not applied: pixels are taken as square", v[0]);
+        }
     }
     return good;
 }
 
 /* The length that a new run-length coded scan line says it has; 0 for any other. */
 static int stated_length(const cursor *c) {
-    return c->end - c->p >= 4 && c->p[0] == 2 && c->p[1] == 2 && c->p[2] < 128 ? (int)c->p[2] << 8 | c->p[3] : 0;
+    return c->end - c->p >= 4 && c->p[0] == 2 && c->p[1] == 2 && c->p[2] < 128 ? (int)c->p[2] << 8 | c->p[3]
+                                                                               : 0;
 }
 
 /* ATRIUM's files say "+X W -Y H", which is column after column, but hold rows from the bottom. The scan lines'
  * own length tells the two apart; where both sides are the same, they are taken for ATRIUM's. */
 static bool is_atrium(const header *h, const cursor *c, image_info *info) {
-    if (h->width == h->height)
+    if (h->width == h->height) {
         image_note(info, IMAGE_NOTE_HEADER,
                    "HDR: \"%.60s\" is read as ATRIUM's files mean it: rows from the bottom", h->text);
+    }
     return h->width == h->height || stated_length(c) == h->width;
 }
 
@@ -169,10 +190,12 @@ static bool is_atrium(const header *h, const cursor *c, image_info *info) {
 static bool heed_resolution(header *h, const cursor *c, image_info *info) {
     char sign[2], axis[2];
     int size[2];
-    if (sscanf(h->text, "%c%c %9d %c%c %9d", &sign[0], &axis[0], &size[0], &sign[1], &axis[1], &size[1]) != 6 ||
+    if (sscanf(h->text, "%c%c %9d %c%c %9d", &sign[0], &axis[0], &size[0], &sign[1], &axis[1], &size[1]) !=
+            6 ||
         !strchr("+-", sign[0]) || !strchr("+-", sign[1]) || axis[0] + axis[1] != 'X' + 'Y' ||
-        (axis[0] != 'X' && axis[0] != 'Y'))
+        (axis[0] != 'X' && axis[0] != 'Y')) {
         return false;
+    }
     bool columns = axis[0] == 'X';
     h->width = size[columns ? 0 : 1];
     h->height = size[columns ? 1 : 0];
@@ -206,8 +229,9 @@ static btf_result read_header(cursor *c, size_t max_pixels, header *h, image_inf
             snprintf(message, message_size, "HDR: bad header: it ends within line %d", h->line);
             return BTF_ERROR_BAD_FILE;
         }
-        if (h->line > 1 && h->text[0] == '\0')
+        if (h->line > 1 && h->text[0] == '\0') {
             break;
+        }
         if (h->line == 1 ? strncmp(h->text, "#?", 2) != 0 : !heed_line(h, info)) {
             snprintf(message, message_size, "HDR: bad header: line %d, \"%.80s\"", h->line, h->text);
             return BTF_ERROR_BAD_FILE;
@@ -229,9 +253,10 @@ static btf_result read_header(cursor *c, size_t max_pixels, header *h, image_inf
         return BTF_ERROR_UNSUPPORTED;
     }
     settle_steps(h);
-    if (h->scale[0] != 1.0 || h->scale[1] != 1.0 || h->scale[2] != 1.0)
+    if (h->scale[0] != 1.0 || h->scale[1] != 1.0 || h->scale[2] != 1.0) {
         image_note(info, IMAGE_NOTE_EXPOSURE, "HDR: divided by EXPOSURE and COLORCORR, in all %g, %g, %g",
                    1.0 / h->scale[0], 1.0 / h->scale[1], 1.0 / h->scale[2]);
+    }
     return BTF_OK;
 }
 
@@ -241,22 +266,26 @@ btf_result hdr_image_read(const void *data, size_t size, size_t max_pixels, int 
     cursor c = {data, (const unsigned char *)data + size};
     header h = {.scale = {1.0, 1.0, 1.0}};
     btf_result result = read_header(&c, max_pixels, &h, info, message, message_size);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     unsigned char *rgbe = malloc((size_t)h.length * 4);
     float *pixels = malloc((size_t)h.width * (size_t)h.height * 3 * sizeof *pixels);
     result = rgbe && pixels ? BTF_OK : BTF_ERROR_MEMORY;
     for (int line = 0; line < h.lines && result == BTF_OK; line++) {
         if (!read_scanline(&c, rgbe, h.length)) {
-            snprintf(message, message_size, "HDR: truncated or damaged in scan line %d of %d", line, h.lines);
+            snprintf(message, message_size, "HDR: truncated or damaged in scan line %d of %d", line,
+                     h.lines);
             result = BTF_ERROR_BAD_FILE;
             break;
         }
         for (int i = 0; i < h.length; i++) {
-            float *out = pixels + 3 * (h.first + (ptrdiff_t)line * h.line_step + (ptrdiff_t)i * h.pixel_step);
+            float *out =
+                pixels + 3 * (h.first + (ptrdiff_t)line * h.line_step + (ptrdiff_t)i * h.pixel_step);
             const double unit = rgbe[4 * i + 3] ? ldexp(1.0, rgbe[4 * i + 3] - (128 + 8)) : 0.0;
-            for (int channel = 0; channel < 3; channel++)
+            for (int channel = 0; channel < 3; channel++) {
                 out[channel] = (float)(rgbe[4 * i + channel] * (unit * h.scale[channel]));
+            }
         }
     }
     free(rgbe);
@@ -265,8 +294,9 @@ btf_result hdr_image_read(const void *data, size_t size, size_t max_pixels, int 
         *out_height = h.height;
         *out_xyz = h.xyz;
         *out_pixels = pixels;
-        if (h.xyz)
+        if (h.xyz) {
             info->converts = false; /* the primaries are X, Y, Z themselves */
+        }
     } else {
         free(pixels);
     }

@@ -27,8 +27,9 @@ typedef struct complaint {
 
 static void keep_text(j_common_ptr common) {
     complaint *c = (complaint *)common->err;
-    if (!c->text[0])
+    if (!c->text[0]) {
         c->manager.format_message(common, c->text);
+    }
 }
 
 static void on_error(j_common_ptr common) {
@@ -42,11 +43,13 @@ static void on_error(j_common_ptr common) {
 static void on_message(j_common_ptr common, int level) {
     complaint *c = (complaint *)common->err;
     const int code = c->manager.msg_code;
-    if (level >= 0 || code == JWRN_EXTRANEOUS_DATA || code == JWRN_JFIF_MAJOR)
+    if (level >= 0 || code == JWRN_EXTRANEOUS_DATA || code == JWRN_JFIF_MAJOR) {
         return;
+    }
     if (code == JWRN_ADOBE_XFORM || code == JWRN_NOT_SEQUENTIAL || code == JWRN_BOGUS_ICC) {
-        if (!c->lenient)
+        if (!c->lenient) {
             c->manager.format_message(common, c->lenient_text);
+        }
         c->lenient = true;
         return;
     }
@@ -80,20 +83,25 @@ typedef struct reading {
 /* The orientation that an EXIF marker gives, 1 when there is none. */
 static int orientation(const struct jpeg_decompress_struct *jpeg) {
     static const char head[6] = "Exif\0";
-    for (jpeg_saved_marker_ptr m = jpeg->marker_list; m; m = m->next)
-        if (m->data_length >= sizeof head && memcmp(m->data, head, sizeof head) == 0)
+    for (jpeg_saved_marker_ptr m = jpeg->marker_list; m; m = m->next) {
+        if (m->data_length >= sizeof head && memcmp(m->data, head, sizeof head) == 0) {
             return exif_orientation(m->data + sizeof head, m->data_length - sizeof head);
+        }
+    }
     return 1;
 }
 
 /* XMP's orientation is told alone: few readers follow it, and programs that turn pixels leave it behind. */
 static void note_xmp(reading *r) {
     static const char head[] = "http://ns.adobe.com/xap/1.0/";
-    for (jpeg_saved_marker_ptr m = r->jpeg.marker_list; m; m = m->next)
+    for (jpeg_saved_marker_ptr m = r->jpeg.marker_list; m; m = m->next) {
         if (m->marker == JPEG_APP0 + 1 && m->data_length >= sizeof head &&
-            memcmp(m->data, head, sizeof head) == 0 && xmp_orientation(m->data, m->data_length) != 1)
-            image_note(r->info, IMAGE_NOTE_TURNED, "JPEG: XMP orientation %d is not applied: taken as stored",
+            memcmp(m->data, head, sizeof head) == 0 && xmp_orientation(m->data, m->data_length) != 1) {
+            image_note(r->info, IMAGE_NOTE_TURNED,
+                       "JPEG: XMP orientation %d is not applied: taken as stored",
                        xmp_orientation(m->data, m->data_length));
+        }
+    }
 }
 
 /* A colour profile; without one, what EXIF says of the colour space. */
@@ -106,16 +114,20 @@ static void heed_colour(reading *r) {
         return;
     }
     static const char head[6] = "Exif\0";
-    for (jpeg_saved_marker_ptr m = r->jpeg.marker_list; m; m = m->next)
+    for (jpeg_saved_marker_ptr m = r->jpeg.marker_list; m; m = m->next) {
         if (m->data_length >= sizeof head && memcmp(m->data, head, sizeof head) == 0 &&
-            exif_colour_is_other(m->data + sizeof head, m->data_length - sizeof head))
-            image_note(r->info, IMAGE_NOTE_SPACE,
-                       "JPEG: EXIF says that the colour space is not sRGB (cameras mean Adobe RGB): not applied");
+            exif_colour_is_other(m->data + sizeof head, m->data_length - sizeof head)) {
+            image_note(
+                r->info, IMAGE_NOTE_SPACE,
+                "JPEG: EXIF says that the colour space is not sRGB (cameras mean Adobe RGB): not applied");
+        }
+    }
 }
 
 static btf_result decode(reading *r, const void *data, size_t size, size_t max_pixels) {
-    if (setjmp(r->error.back))
+    if (setjmp(r->error.back)) {
         return BTF_ERROR_BAD_FILE;
+    }
     jpeg_create_decompress(&r->jpeg);
     jpeg_mem_src(&r->jpeg, data, (unsigned long)size);
     jpeg_save_markers(&r->jpeg, JPEG_APP0 + 1, 0xFFFF);
@@ -147,15 +159,17 @@ static btf_result decode(reading *r, const void *data, size_t size, size_t max_p
     r->channels = r->jpeg.output_components;
     const size_t row_bytes = (size_t)r->width * (size_t)r->channels;
     r->pixels = malloc(row_bytes * (size_t)r->height);
-    if (!r->pixels)
+    if (!r->pixels) {
         return BTF_ERROR_MEMORY;
+    }
     while (r->jpeg.output_scanline < r->jpeg.output_height) {
         JSAMPROW row = r->pixels + (size_t)r->jpeg.output_scanline * row_bytes;
         jpeg_read_scanlines(&r->jpeg, &row, 1);
     }
     jpeg_finish_decompress(&r->jpeg);
-    if (r->error.lenient)
+    if (r->error.lenient) {
         image_note(r->info, IMAGE_NOTE_HEADER, "JPEG: %.180s: read nevertheless", r->error.lenient_text);
+    }
     return r->error.damaged ? BTF_ERROR_BAD_FILE : BTF_OK;
 }
 
@@ -163,8 +177,9 @@ btf_result jpeg_image_read(const void *data, size_t size, size_t max_pixels, int
                            int *out_height, int *out_channels, unsigned char **out_pixels, image_info *info,
                            char *message, size_t message_size) {
     reading *r = calloc(1, sizeof *r);
-    if (!r)
+    if (!r) {
         return BTF_ERROR_MEMORY;
+    }
     r->info = info;
     r->jpeg.err = complaint_init(&r->error);
     const btf_result result = decode(r, data, size, max_pixels);
@@ -190,8 +205,9 @@ typedef struct writing {
 
 static btf_result encode(writing *w, FILE *stream, int width, int height, const unsigned char *rgb,
                          int quality) {
-    if (setjmp(w->error.back))
+    if (setjmp(w->error.back)) {
         return BTF_ERROR_IO;
+    }
     jpeg_create_compress(&w->jpeg);
     jpeg_stdio_dest(&w->jpeg, stream);
     w->jpeg.image_width = (JDIMENSION)width;
@@ -217,8 +233,9 @@ static btf_result encode(writing *w, FILE *stream, int width, int height, const 
 btf_result jpeg_image_write(const char *path, int width, int height, const unsigned char *rgb, int quality,
                             btf_log log) {
     writing *w = calloc(1, sizeof *w);
-    if (!w)
+    if (!w) {
         return BTF_ERROR_MEMORY;
+    }
     output *file;
     btf_result result = output_open(path, log, &file);
     if (result == BTF_OK) {

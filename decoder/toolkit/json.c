@@ -12,8 +12,9 @@
 #include <string.h>
 
 static void append(json *j, const char *text, size_t length) {
-    if (j->failed)
+    if (j->failed) {
         return;
+    }
     if (j->length + length + 1 > j->capacity) {
         size_t capacity = 2 * j->capacity + length + 256;
         char *grown = realloc(j->text, capacity);
@@ -35,24 +36,29 @@ static void append_text(json *j, const char *text) {
 
 static void indent(json *j) {
     append_text(j, "\n");
-    for (int i = 0; i < j->depth; i++)
+    for (int i = 0; i < j->depth; i++) {
         append_text(j, "  ");
+    }
 }
 
 /* Length of the UTF-8 sequence at s, 0 when it is none (overlong forms and surrogates included). */
 static size_t utf8_length(const unsigned char *s) {
-    if (s[0] < 0x80)
+    if (s[0] < 0x80) {
         return 1;
+    }
     size_t n = s[0] >= 0xC2 && s[0] <= 0xDF   ? 2
                : s[0] >= 0xE0 && s[0] <= 0xEF ? 3
                : s[0] >= 0xF0 && s[0] <= 0xF4 ? 4
                                               : 0;
-    for (size_t i = 1; i < n; i++)
-        if ((s[i] & 0xC0) != 0x80)
+    for (size_t i = 1; i < n; i++) {
+        if ((s[i] & 0xC0) != 0x80) {
             return 0;
+        }
+    }
     if ((s[0] == 0xE0 && s[1] < 0xA0) || (s[0] == 0xED && s[1] > 0x9F) || (s[0] == 0xF0 && s[1] < 0x90) ||
-        (s[0] == 0xF4 && s[1] > 0x8F))
+        (s[0] == 0xF4 && s[1] > 0x8F)) {
         return 0;
+    }
     return n;
 }
 
@@ -87,8 +93,9 @@ static void begin_value(json *j, const char *key) {
     if (j->depth > 0) {
         const int top = j->depth - 1;
         assert((j->kind[top] == '{') == (key != NULL));
-        if (j->filled[top])
+        if (j->filled[top]) {
             append_text(j, ",");
+        }
         j->filled[top] = true;
         indent(j);
     } else {
@@ -119,17 +126,19 @@ void json_array(json *j, const char *key) {
 void json_end(json *j) {
     assert(j->depth > 0);
     j->depth--;
-    if (j->filled[j->depth])
+    if (j->filled[j->depth]) {
         indent(j);
+    }
     append_text(j, j->kind[j->depth] == '{' ? "}" : "]");
 }
 
 void json_string(json *j, const char *key, const char *value) {
     begin_value(j, key);
-    if (value)
+    if (value) {
         append_quoted(j, value);
-    else
+    } else {
         append_text(j, "null");
+    }
 }
 
 /* Shortest of the texts with `low` to `high` digits that reads back as the value. */
@@ -137,8 +146,9 @@ static void append_shortest(json *j, double value, int low, int high, bool singl
     char text[40];
     for (int digits = low; digits <= high; digits++) {
         snprintf(text, sizeof text, "%.*g", digits, value);
-        if (single ? strtof(text, NULL) == (float)value : strtod(text, NULL) == value)
+        if (single ? strtof(text, NULL) == (float)value : strtod(text, NULL) == value) {
             break;
+        }
     }
     const char *point = localeconv()->decimal_point;
     char *at = strcmp(point, ".") ? strstr(text, point) : NULL;
@@ -151,18 +161,20 @@ static void append_shortest(json *j, double value, int low, int high, bool singl
 
 void json_number(json *j, const char *key, double value) {
     begin_value(j, key);
-    if (isfinite(value))
+    if (isfinite(value)) {
         append_shortest(j, value, 6, 17, false);
-    else
+    } else {
         append_text(j, "null");
+    }
 }
 
 void json_float(json *j, const char *key, float value) {
     begin_value(j, key);
-    if (isfinite(value))
+    if (isfinite(value)) {
         append_shortest(j, (double)value, 6, 9, true);
-    else
+    } else {
         append_text(j, "null");
+    }
 }
 
 void json_integer(json *j, const char *key, int64_t value) {
@@ -184,8 +196,9 @@ void json_null(json *j, const char *key) {
 
 const char *json_text(json *j) {
     assert(j->depth == 0);
-    if (j->length && j->text[j->length - 1] != '\n')
+    if (j->length && j->text[j->length - 1] != '\n') {
         append_text(j, "\n");
+    }
     return j->failed ? NULL : j->text;
 }
 

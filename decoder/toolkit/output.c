@@ -48,8 +48,9 @@ static btf_result fail(btf_log log, const char *format, ...) {
 void output_remove_all(void) {
     for (int i = 0; i < MAX_LIVE; i++) {
         const char *path = atomic_load(&live[i]);
-        if (path)
+        if (path) {
             unlink(path);
+        }
     }
 }
 
@@ -86,15 +87,17 @@ static void install_handlers(void) {
 static int live_add(char *path) {
     for (int i = 0; i < MAX_LIVE; i++) {
         char *expected = NULL;
-        if (atomic_compare_exchange_strong(&live[i], &expected, path))
+        if (atomic_compare_exchange_strong(&live[i], &expected, path)) {
             return i;
+        }
     }
     return -1;
 }
 
 static void live_remove(int slot) {
-    if (slot >= 0)
+    if (slot >= 0) {
         atomic_store(&live[slot], NULL);
+    }
 }
 
 /* The status of the folder that a path's last name lies in, and that name; false without such a folder. */
@@ -111,25 +114,29 @@ bool output_is_same(const char *path, const char *other) {
     struct stat a, b;
     const char *name_a, *name_b;
     const bool there = stat(path, &a) == 0, other_there = stat(other, &b) == 0;
-    if (there || other_there)
+    if (there || other_there) {
         return there && other_there && S_ISREG(a.st_mode) && a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+    }
     return find_place(path, &a, &name_a) && find_place(other, &b, &name_b) && a.st_dev == b.st_dev &&
            a.st_ino == b.st_ino && strcmp(name_a, name_b) == 0;
 }
 
 btf_result output_make_folder(const char *path, btf_log log, bool *out_made) {
     const bool made = mkdir(path, 0777) == 0;
-    if (out_made)
+    if (out_made) {
         *out_made = made;
+    }
     return made || errno == EEXIST ? BTF_OK
                                    : fail(log, "%s: cannot make the folder: %s", path, strerror(errno));
 }
 
 static void output_free(output *file) {
-    if (file->stream)
+    if (file->stream) {
         fclose(file->stream);
-    if (file->temporary != file->path)
+    }
+    if (file->temporary != file->path) {
         free(file->temporary);
+    }
     free(file->path);
     free(file);
 }
@@ -142,15 +149,17 @@ void output_leave_signals(void) {
 
 btf_result output_open(const char *path, btf_log log, output **out_output) {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
-    if (handles_signals)
+    if (handles_signals) {
         pthread_once(&once, install_handlers);
+    }
     *out_output = NULL;
 
     btf_result result = BTF_ERROR_MEMORY;
     int fd = -1;
     output *file = calloc(1, sizeof *file);
-    if (!file)
+    if (!file) {
         return BTF_ERROR_MEMORY;
+    }
     file->log = log;
     file->slot = -1;
     struct stat status;
@@ -158,8 +167,9 @@ btf_result output_open(const char *path, btf_log log, output **out_output) {
     const bool regular = exists && S_ISREG(status.st_mode);
     file->path = regular ? realpath(path, NULL) : strdup(path); /* a pipe has no real path */
     if (!file->path) {
-        if (regular)
+        if (regular) {
             result = fail(log, "%s: cannot write: %s", path, strerror(errno));
+        }
         goto fail;
     }
 
@@ -174,23 +184,26 @@ btf_result output_open(const char *path, btf_log log, output **out_output) {
     } else {
         fd = btfi_temporary_create(file->path, &file->temporary);
         if (fd < 0) {
-            if (errno != ENOMEM)
+            if (errno != ENOMEM) {
                 result = fail(log, "%s: cannot write: %s", path, strerror(errno));
+            }
             goto fail;
         }
         file->slot = live_add(file->temporary);
     }
     file->stream = fdopen(fd, "wb");
-    if (!file->stream)
+    if (!file->stream) {
         goto fail;
+    }
     *out_output = file;
     return BTF_OK;
 
 fail:
     if (fd >= 0) {
         close(fd);
-        if (file->temporary != file->path)
+        if (file->temporary != file->path) {
             unlink(file->temporary);
+        }
     }
     live_remove(file->slot);
     output_free(file);
@@ -215,20 +228,23 @@ btf_result output_commit(output **file) {
     } else if (f->temporary != f->path && rename(f->temporary, f->path) != 0) {
         result = fail(f->log, "%s: cannot rename %s: %s", f->path, f->temporary, strerror(errno));
     }
-    if (result != BTF_OK && f->temporary != f->path)
+    if (result != BTF_OK && f->temporary != f->path) {
         unlink(f->temporary);
+    }
     live_remove(f->slot);
     output_free(f);
     return result;
 }
 
 void output_abort(output **file) {
-    if (!file || !*file)
+    if (!file || !*file) {
         return;
+    }
     output *f = *file;
     *file = NULL;
-    if (f->temporary != f->path)
+    if (f->temporary != f->path) {
         unlink(f->temporary);
+    }
     live_remove(f->slot);
     output_free(f);
 }

@@ -28,8 +28,9 @@ static bool little_endian(void) {
 /* libpng's first complaint is kept, never printed; the caller names the file. */
 static void on_error(png_structp png, png_const_charp text) {
     char *kept = png_get_error_ptr(png);
-    if (!kept[0])
+    if (!kept[0]) {
         snprintf(kept, MESSAGE_SIZE, "%s", text);
+    }
     png_longjmp(png, 1);
 }
 
@@ -41,18 +42,21 @@ static void on_warning(png_structp png, png_const_charp text) {
 /* Everything between the two jumps; objects that live across them belong to the caller. */
 static btf_result encode(png_structp png, png_infop info, FILE *stream, int width, int height, int depth,
                          const unsigned char *pixels) {
-    if (setjmp(png_jmpbuf(png)))
+    if (setjmp(png_jmpbuf(png))) {
         return BTF_ERROR_IO;
+    }
     png_init_io(png, stream);
     png_set_IHDR(png, info, (png_uint_32)width, (png_uint_32)height, depth, PNG_COLOR_TYPE_RGB,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
     png_write_info(png, info);
-    if (depth == 16 && little_endian())
+    if (depth == 16 && little_endian()) {
         png_set_swap(png); /* the file's order is big endian */
+    }
     const size_t row_bytes = (size_t)width * 3 * (size_t)depth / 8;
-    for (int row = 0; row < height; row++)
+    for (int row = 0; row < height; row++) {
         png_write_row(png, pixels + (size_t)row * row_bytes);
+    }
     png_write_end(png, info);
     return BTF_OK;
 }
@@ -61,14 +65,16 @@ static btf_result write_image(const char *path, int width, int height, int depth
                               btf_log log) {
     output *file;
     btf_result result = output_open(path, log, &file);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     result = BTF_ERROR_MEMORY;
     char text[MESSAGE_SIZE] = "";
     png_infop info = NULL;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, text, on_error, on_warning);
-    if (png && (info = png_create_info_struct(png)))
+    if (png && (info = png_create_info_struct(png))) {
         result = encode(png, info, output_stream(file), width, height, depth, pixels);
+    }
     png_destroy_write_struct(&png, &info);
     if (result == BTF_ERROR_MEMORY) {
         output_abort(&file);
@@ -111,8 +117,9 @@ typedef struct reading {
 
 static void on_read(png_structp png, png_bytep out, size_t size) {
     reading *r = png_get_io_ptr(png);
-    if (size > r->left)
+    if (size > r->left) {
         png_error(png, "the file ends too early");
+    }
     memcpy(out, r->data, size);
     r->data += size;
     r->left -= size;
@@ -127,8 +134,9 @@ static const unsigned char *find_chunk(const unsigned char *data, size_t size, c
                                        size_t *out_length) {
     for (size_t at = 8; at < size && size - at >= 12;) {
         const size_t length = number_at(data + at);
-        if (length > size - at - 12)
+        if (length > size - at - 12) {
             return NULL;
+        }
         if (memcmp(data + at + 4, type, 4) == 0) {
             *out_length = length;
             return data + at + 8;
@@ -152,14 +160,20 @@ static void heed_code_points(const unsigned char *code, image_info *info) {
                   {12, {{0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}, {0.3127, 0.3290}}}};
     const char *other = code[1] == 16 ? ", PQ," : code[1] == 18 ? ", HLG," : "";
     bool known = false;
-    for (size_t i = 0; i < sizeof spaces / sizeof *spaces && !known; i++)
-        if ((known = spaces[i].code == code[0]))
+    for (size_t i = 0; i < sizeof spaces / sizeof *spaces && !known; i++) {
+        if ((known = spaces[i].code == code[0])) {
             image_info_primaries(info, "PNG cICP primaries", &spaces[i].p);
-    if (!known)
-        image_note(info, IMAGE_NOTE_SPACE, "PNG: cICP primaries %d are not known: taken as Rec. 709", code[0]);
-    if (code[2] != 0 || code[3] != 1)
-        image_note(info, IMAGE_NOTE_RANGE, "PNG: cICP matrix %d, range %d are not applied: taken as full-range RGB",
-                   code[2], code[3]);
+        }
+    }
+    if (!known) {
+        image_note(info, IMAGE_NOTE_SPACE, "PNG: cICP primaries %d are not known: taken as Rec. 709",
+                   code[0]);
+    }
+    if (code[2] != 0 || code[3] != 1) {
+        image_note(info, IMAGE_NOTE_RANGE,
+                   "PNG: cICP matrix %d, range %d are not applied: taken as full-range RGB", code[2],
+                   code[3]);
+    }
     snprintf(info->transfer_name, sizeof info->transfer_name, "PNG: cICP transfer %d%s", code[1], other);
     switch (code[1]) {
     case 13:
@@ -189,15 +203,17 @@ static void heed_code_points(const unsigned char *code, image_info *info) {
 static void heed_gamma(const unsigned char *gamma, const unsigned char *chromaticities, image_info *info) {
     bool stands_for_srgb = false;
     double c[8];
-    for (int i = 0; i < 8 && chromaticities; i++)
+    for (int i = 0; i < 8 && chromaticities; i++) {
         c[i] = number_at(chromaticities + 4 * i) / 1e5;
+    }
     if (chromaticities) {
         const primaries p = {{c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}, {c[0], c[1]}};
         image_info_primaries(info, "PNG cHRM", &p);
         stands_for_srgb = primaries_are_rec709(&p) && gamma && fabs(number_at(gamma) - 45455.0) < 10.0;
     }
-    if (!gamma)
+    if (!gamma) {
         return;
+    }
     const double value = number_at(gamma) / 1e5;
     if (!(value >= 0.01 && value <= 100.0)) {
         image_note(info, IMAGE_NOTE_SPACE, "PNG: gAMA %g is not usable: taken as sRGB", value);
@@ -219,9 +235,11 @@ static void heed_profile(const unsigned char *chunk, size_t length, image_info *
     enum { MOST = 1 << 16 }; /* the description stands near the beginning */
     char name[80] = "";
     size_t at = 0;
-    for (; at < length && chunk[at]; at++)
-        if (at + 1 < sizeof name)
+    for (; at < length && chunk[at]; at++) {
+        if (at + 1 < sizeof name) {
             name[at] = (char)chunk[at];
+        }
+    }
     unsigned char *profile = malloc(MOST);
     z_stream z = {0};
     size_t size = 0;
@@ -245,15 +263,19 @@ static void heed_texts(const unsigned char *data, size_t size, const unsigned ch
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
         size_t length;
         unsigned char *profile = png_text_raw_profile(data, size, kinds[k], &length);
-        if (profile)
+        if (profile) {
             image_info_profile(out, "PNG", profile, length, NULL);
+        }
         free(profile);
-        if (profile)
+        if (profile) {
             return;
+        }
     }
-    if (exif && exif_colour_is_other(exif, exif_size))
-        image_note(out, IMAGE_NOTE_SPACE,
-                   "PNG: EXIF says that the colour space is not sRGB (cameras mean Adobe RGB): not applied");
+    if (exif && exif_colour_is_other(exif, exif_size)) {
+        image_note(
+            out, IMAGE_NOTE_SPACE,
+            "PNG: EXIF says that the colour space is not sRGB (cameras mean Adobe RGB): not applied");
+    }
 }
 
 /* Takes the file's word on its colours, from the chunk of the highest rank alone: cICP, iCCP, sRGB, gAMA with cHRM. */
@@ -277,14 +299,15 @@ static void heed_colour(const unsigned char *data, size_t size, const unsigned c
     const unsigned char *gamma = find_chunk(data, size, "gAMA", &gamma_length);
     const unsigned char *chromaticities = find_chunk(data, size, "cHRM", &chromaticities_length);
     heed_gamma(gamma_length == 4 ? gamma : NULL, chromaticities_length == 32 ? chromaticities : NULL, out);
-    if (!gamma)
+    if (!gamma) {
         heed_texts(data, size, exif, exif_size, out);
+    }
 }
 
 /* Whether the picture is stored turned: as the chunk eXIf says, else EXIF among the texts. XMP is told alone:
  * few readers follow it, and programs that turn pixels leave it behind. */
-static int heed_orientation(const unsigned char *data, size_t size, const unsigned char *exif, size_t exif_size,
-                            image_info *out) {
+static int heed_orientation(const unsigned char *data, size_t size, const unsigned char *exif,
+                            size_t exif_size, image_info *out) {
     static const char *const kinds[] = {"exif", "APP1"};
     int turned = exif ? exif_orientation(exif, exif_size) : 1;
     size_t length;
@@ -294,9 +317,10 @@ static int heed_orientation(const unsigned char *data, size_t size, const unsign
         free(block);
     }
     unsigned char *xmp = png_text_find(data, size, "XML:com.adobe.xmp", &length);
-    if (xmp && xmp_orientation(xmp, length) != 1)
+    if (xmp && xmp_orientation(xmp, length) != 1) {
         image_note(out, IMAGE_NOTE_TURNED, "PNG: XMP orientation %d is not applied: taken as stored",
                    xmp_orientation(xmp, length));
+    }
     free(xmp);
     return turned;
 }
@@ -308,8 +332,9 @@ static bool drop_alpha(reading *r) {
     bool clear = false;
     for (size_t i = 0; i < count; i++) {
         const unsigned char *from = r->pixels + i * (colours + 1) * bytes;
-        for (size_t b = 0; b < bytes; b++)
+        for (size_t b = 0; b < bytes; b++) {
             clear = clear || from[colours * bytes + b] != 255;
+        }
         memmove(r->pixels + i * colours * bytes, from, colours * bytes);
     }
     r->channels = (int)colours;
@@ -319,8 +344,9 @@ static bool drop_alpha(reading *r) {
 static btf_result decode(reading *r, png_structp png, png_infop info, size_t max_pixels) {
     const unsigned char *data = r->data;
     const size_t size = r->left;
-    if (setjmp(png_jmpbuf(png)))
+    if (setjmp(png_jmpbuf(png))) {
         return BTF_ERROR_BAD_FILE;
+    }
     png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     png_set_read_fn(png, r, on_read);
     png_read_info(png, info);
@@ -338,8 +364,9 @@ static btf_result decode(reading *r, png_structp png, png_infop info, size_t max
     }
     heed_colour(data, size, exif, exif_size, r->info);
     png_set_expand(png); /* palettes, less than 8 bits, transparent colours */
-    if (png_get_bit_depth(png, info) == 16 && little_endian())
+    if (png_get_bit_depth(png, info) == 16 && little_endian()) {
         png_set_swap(png);
+    }
     png_set_interlace_handling(png);
     png_read_update_info(png, info);
     r->width = (int)width;
@@ -349,15 +376,18 @@ static btf_result decode(reading *r, png_structp png, png_infop info, size_t max
     const size_t row_bytes = png_get_rowbytes(png, info);
     r->pixels = malloc(height * row_bytes);
     r->rows = malloc(height * sizeof *r->rows);
-    if (!r->pixels || !r->rows)
+    if (!r->pixels || !r->rows) {
         return BTF_ERROR_MEMORY;
-    for (size_t row = 0; row < height; row++)
+    }
+    for (size_t row = 0; row < height; row++) {
         r->rows[row] = r->pixels + row * row_bytes;
+    }
     png_read_image(png, r->rows);
     png_read_end(png, NULL);
-    if (r->channels % 2 == 0 && drop_alpha(r))
+    if (r->channels % 2 == 0 && drop_alpha(r)) {
         image_note(r->info, IMAGE_NOTE_ALPHA,
                    "PNG: transparency is not used: colours are taken as they are stored");
+    }
     return BTF_OK;
 }
 
@@ -365,16 +395,18 @@ btf_result png_image_read(const void *data, size_t size, size_t max_pixels, int 
                           int *out_channels, int *out_depth, void **out_pixels, image_info *info,
                           char *message, size_t message_size) {
     reading *r = calloc(1, sizeof *r);
-    if (!r)
+    if (!r) {
         return BTF_ERROR_MEMORY;
+    }
     r->data = data;
     r->left = size;
     r->info = info;
     btf_result result = BTF_ERROR_MEMORY;
     png_infop png_info = NULL;
     png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, r->text, on_error, on_warning);
-    if (png && (png_info = png_create_info_struct(png)))
+    if (png && (png_info = png_create_info_struct(png))) {
         result = decode(r, png, png_info, max_pixels);
+    }
     png_destroy_read_struct(&png, &png_info, NULL);
     if (result == BTF_OK) {
         *out_width = r->width;

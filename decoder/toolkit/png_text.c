@@ -32,8 +32,9 @@ static unsigned char *inflated(const unsigned char *data, size_t size, size_t *o
         *out_size = MOST - z.avail_out;
         inflateEnd(&z);
     }
-    if (*out_size > 0)
+    if (*out_size > 0) {
         return text;
+    }
     free(text);
     return NULL;
 }
@@ -41,8 +42,9 @@ static unsigned char *inflated(const unsigned char *data, size_t size, size_t *o
 static unsigned char *copied(const unsigned char *data, size_t size, size_t *out_size) {
     *out_size = size < MOST ? size : MOST;
     unsigned char *text = *out_size > 0 ? malloc(*out_size) : NULL;
-    if (text)
+    if (text) {
         memcpy(text, data, *out_size);
+    }
     return text;
 }
 
@@ -56,29 +58,37 @@ static bool skip_string(const unsigned char **at, const unsigned char *end) {
 /* The text of one chunk, whose keyword ends before `at`. */
 static unsigned char *text_of(const unsigned char *type, const unsigned char *at, const unsigned char *end,
                               size_t *out_size) {
-    if (memcmp(type, "tEXt", 4) == 0)
+    if (memcmp(type, "tEXt", 4) == 0) {
         return copied(at, (size_t)(end - at), out_size);
-    if (memcmp(type, "zTXt", 4) == 0)
+    }
+    if (memcmp(type, "zTXt", 4) == 0) {
         return end - at > 1 ? inflated(at + 1, (size_t)(end - at) - 1, out_size) : NULL;
-    if (end - at < 2)
+    }
+    if (end - at < 2) {
         return NULL;
+    }
     const bool packed = at[0] == 1;
     at += 2;
-    if (!skip_string(&at, end) || !skip_string(&at, end)) /* the language, the keyword in that language */
+    if (!skip_string(&at, end) || !skip_string(&at, end)) { /* the language, the keyword in that language */
         return NULL;
+    }
     return (packed ? inflated : copied)(at, (size_t)(end - at), out_size);
 }
 
-unsigned char *png_text_find(const unsigned char *data, size_t size, const char *keyword, size_t *out_size) {
+unsigned char *png_text_find(const unsigned char *data, size_t size, const char *keyword,
+                             size_t *out_size) {
     const size_t key_size = strlen(keyword) + 1;
     for (size_t at = 8; at < size && size - at >= 12;) {
         const size_t length = number_at(data + at);
         const unsigned char *type = data + at + 4, *body = data + at + 8;
-        if (length > size - at - 12)
+        if (length > size - at - 12) {
             return NULL;
-        if ((memcmp(type, "tEXt", 4) == 0 || memcmp(type, "zTXt", 4) == 0 || memcmp(type, "iTXt", 4) == 0) &&
-            length >= key_size && memcmp(body, keyword, key_size) == 0)
+        }
+        if ((memcmp(type, "tEXt", 4) == 0 || memcmp(type, "zTXt", 4) == 0 ||
+             memcmp(type, "iTXt", 4) == 0) &&
+            length >= key_size && memcmp(body, keyword, key_size) == 0) {
             return text_of(type, body + key_size, body + length, out_size);
+        }
         at += 12 + length;
     }
     return NULL;
@@ -95,19 +105,23 @@ unsigned char *png_text_raw_profile(const unsigned char *data, size_t size, cons
     snprintf(keyword, sizeof keyword, "Raw profile type %s", kind);
     unsigned char *text = png_text_find(data, size, keyword, &length);
     /* a line end, the kind and a line end, the number of bytes and a line end, then the digits in lines */
-    for (int lines = 0; text && at < length && lines < 3; at++)
+    for (int lines = 0; text && at < length && lines < 3; at++) {
         lines += text[at] == '\n';
+    }
     for (int high = -1; at < length; at++) {
         const int digit = digit_of(text[at]);
-        if (digit < 0)
+        if (digit < 0) {
             continue;
-        if (high >= 0)
+        }
+        if (high >= 0) {
             text[used++] = (unsigned char)(high << 4 | digit);
+        }
         high = high >= 0 ? -1 : digit;
     }
     *out_size = used;
-    if (used > 0)
+    if (used > 0) {
         return text;
+    }
     free(text);
     return NULL;
 }

@@ -66,8 +66,9 @@ double progress_core_clock(void) {
 
 progress *progress_create(bool quiet) {
     progress *p = calloc(1, sizeof *p);
-    if (!p)
+    if (!p) {
         return NULL;
+    }
     p->quiet = quiet;
     p->tty = isatty(STDERR_FILENO) == 1;
     atomic_init(&p->done, 0);
@@ -80,13 +81,15 @@ progress *progress_create(bool quiet) {
 }
 
 void progress_destroy(progress **p) {
-    if (!p || !*p)
+    if (!p || !*p) {
         return;
+    }
     progress_end(*p);
     sigaction(SIGINT, &(*p)->on_interrupt, NULL);
     sigaction(SIGTERM, &(*p)->on_terminate, NULL);
-    for (size_t i = 0; i < (*p)->n_stages; i++)
+    for (size_t i = 0; i < (*p)->n_stages; i++) {
         free((char *)(*p)->stages[i].name);
+    }
     free((*p)->stages);
     free(*p);
     *p = NULL;
@@ -94,10 +97,11 @@ void progress_destroy(progress **p) {
 
 static void format_duration(char *out, size_t size, double seconds) {
     const long s = (long)(seconds + 0.5);
-    if (s >= 3600)
+    if (s >= 3600) {
         snprintf(out, size, "%ld:%02ld:%02ld", s / 3600, s / 60 % 60, s % 60);
-    else
+    } else {
         snprintf(out, size, "%ld:%02ld", s / 60, s % 60);
+    }
 }
 
 /* "3:12 left", or nothing while that is not known. */
@@ -142,8 +146,9 @@ static double part_done(const progress *p) {
 }
 
 static void draw(progress *p) {
-    if (p->quiet || !p->active || p->total == 0 || atomic_flag_test_and_set(&p->drawing))
+    if (p->quiet || !p->active || p->total == 0 || atomic_flag_test_and_set(&p->drawing)) {
         return;
+    }
     const double now = progress_clock();
     if (!p->tty || now - p->drawn >= tty_interval) {
         estimate_within(&p->job, part_done(p), now);
@@ -167,8 +172,9 @@ void progress_plan(progress *p, const estimate_part *parts, size_t count) {
 void progress_begin(progress *p, const char *stage, size_t total) {
     progress_end(p);
     p->name = strdup(stage);
-    if (!p->name)
+    if (!p->name) {
         return; /* the stage goes unseen */
+    }
     p->total = total;
     atomic_store(&p->done, 0);
     p->began = progress_clock();
@@ -212,15 +218,17 @@ static void add_stage(progress *p, char *name, double seconds, double core) {
 }
 
 void progress_end(progress *p) {
-    if (!p->active)
+    if (!p->active) {
         return;
+    }
     p->active = false;
     const double now = progress_clock(), seconds = now - p->began;
     estimate_stage_end(&p->job, p->total > 0 ? part_done(p) : 1.0, now);
     if (!p->quiet) {
         char part[24] = "";
-        if (p->planned && !cancelled)
+        if (p->planned && !cancelled) {
             snprintf(part, sizeof part, ", %d%% of all", (int)(estimate_fraction(&p->job) * 100.0));
+        }
         fprintf(stderr, "%s%s: %s after %.1f s%s\n", p->tty ? "\r\033[K" : "", p->name,
                 cancelled ? "stopped" : "done", seconds, part);
     }

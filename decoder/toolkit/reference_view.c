@@ -63,8 +63,10 @@ int reference_view(const btf_material *material, uint32_t level, btf_ref_materia
         .level = level + info.relief_level,
         .relief_end = info.relief_end + info.relief_level,
     };
-    for (int i = 0; i < BTF_FACTOR_CLASSES; ++i)
-        for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < BTF_FACTOR_CLASSES; ++i) {
+        for (int j = 0; j < 3; ++j) {
             out->factor_classes[i][j] = info.factor_classes[i][j];
+        }
+    }
     return 0;
 }

@@ -23,12 +23,15 @@ static int read_numbers(const char *text, size_t length, double out[4]) {
     for (int count = 1; count <= 4; count++) {
         char *next;
         out[count - 1] = strtod(text, &next);
-        if (next == text || next > end || !isfinite(out[count - 1]))
+        if (next == text || next > end || !isfinite(out[count - 1])) {
             return 0;
-        if (next == end)
+        }
+        if (next == end) {
             return count;
-        if (*next != ':')
+        }
+        if (*next != ':') {
             return 0;
+        }
         text = next + 1;
     }
     return 0;
@@ -39,20 +42,23 @@ static bool in_order(double low, double high) {
 }
 
 static bool set_range(btf_range *range, const double *n, int count) {
-    if ((count != 2 && count != 4) || !in_order(n[0], n[1]))
+    if ((count != 2 && count != 4) || !in_order(n[0], n[1])) {
         return false;
+    }
     *range = (btf_range){.theta = {(float)n[0], (float)n[1]}};
     for (int i = 2; i < count; i++) {
-        if (!(fabs(n[i]) <= 360))
+        if (!(fabs(n[i]) <= 360)) {
             return false;
+        }
         range->phi[i - 2] = (float)n[i];
     }
     return true;
 }
 
 static bool set_direction(btf_range *range, const double *n, int count) {
-    if (count != 2 || !(n[0] >= 0 && n[0] < 90) || !(fabs(n[1]) <= 360))
+    if (count != 2 || !(n[0] >= 0 && n[0] < 90) || !(fabs(n[1]) <= 360)) {
         return false;
+    }
     const double s = sin(n[0] * DEGREE);
     *range = (btf_range){.fixed = 1,
                          .direction = {(float)(s * cos(n[1] * DEGREE)), (float)(s * sin(n[1] * DEGREE)),
@@ -65,29 +71,35 @@ static bool read_word(const char *word, size_t length, scene_option *o) {
     static const char *const keys[] = {
         "views=", "lights=", "view=", "light=", "pixels=", "count=", "tolerance="};
     double n[4];
-    if (length == 3 && memcmp(word, "all", 3) == 0)
+    if (length == 3 && memcmp(word, "all", 3) == 0) {
         return true;
+    }
     if (length == 11 && memcmp(word, "interpolate", 11) == 0) {
         o->scene.interpolate = 1;
         return true;
     }
     for (int k = 0; k < (int)(sizeof keys / sizeof *keys); k++) {
         const size_t size = strlen(keys[k]);
-        if (length <= size || memcmp(word, keys[k], size) != 0)
+        if (length <= size || memcmp(word, keys[k], size) != 0) {
             continue;
+        }
         const int count = read_numbers(word + size, length - size, n);
-        if (k < 2)
+        if (k < 2) {
             return set_range(k == 0 ? &o->scene.view : &o->scene.light, n, count);
-        if (k < 4)
+        }
+        if (k < 4) {
             return set_direction(k == 2 ? &o->scene.view : &o->scene.light, n, count);
-        if (count != 1 || !(n[0] >= 0 && n[0] <= 1e6))
+        }
+        if (count != 1 || !(n[0] >= 0 && n[0] <= 1e6)) {
             return false;
-        if (k == 4)
+        }
+        if (k == 4) {
             o->scene.pixels = (float)n[0];
-        else if (k == 5)
+        } else if (k == 5) {
             o->scene.lights = (uint32_t)n[0];
-        else
+        } else {
             o->tolerance = (float)n[0];
+        }
         return k != 5 || (n[0] >= 1 && n[0] == floor(n[0]));
     }
     return false;
@@ -98,10 +110,12 @@ const char *scene_option_parse(const char *text, void *value) {
     *o = (scene_option){.scene = {.struct_size = sizeof o->scene}, .tolerance = 0.5f};
     while (true) {
         const size_t length = strcspn(text, ",");
-        if (!read_word(text, length, o))
+        if (!read_word(text, length, o)) {
             return expected;
-        if (!text[length])
+        }
+        if (!text[length]) {
             return NULL;
+        }
         text += length + 1;
     }
 }
@@ -124,16 +138,18 @@ const char *scene_plan_reason(const btf_material *material, const btf_plan *plan
     if (bit & BETWEEN_EFFECTS) {
         double gain[2];
         const bool known = between_gain(material, bit, gain);
-        snprintf(text, size, known ? "%s, worth %+.1f/%+.1f dB between the samples" : "%s, acts between the samples",
+        snprintf(text, size,
+                 known ? "%s, worth %+.1f/%+.1f dB between the samples" : "%s, acts between the samples",
                  on ? "on" : "off", gain[0], gain[1]);
         return text;
     }
     const uint32_t components = !residual ? plan->components : on ? 0 : info.components;
-    if (btf_plan_predict(material, plan, on ? others : others | bit, components, &linear, &srgb))
+    if (btf_plan_predict(material, plan, on ? others : others | bit, components, &linear, &srgb)) {
         snprintf(text, size, "%s", on ? "on" : "off");
-    else
+    } else {
         snprintf(text, size, "%s, %s it %+.1f/%+.1f dB", on ? "on" : "off", on ? "without" : "with",
                  (double)(linear - plan->psnr_linear), (double)(srgb - plan->psnr_srgb));
+    }
     return text;
 }
 
@@ -142,10 +158,12 @@ static void print_reasons(FILE *out, const char *indent, const btf_material *mat
     btf_material_info info = {.struct_size = sizeof info};
     char text[80];
     btf_material_get_info(material, &info);
-    for (int i = 0; i < CLI_EFFECTS_COUNT; i++)
-        if (info.effects >> i & 1)
+    for (int i = 0; i < CLI_EFFECTS_COUNT; i++) {
+        if (info.effects >> i & 1) {
             fprintf(out, "%s%s: %s\n", indent, cli_effect_word(i),
                     scene_plan_reason(material, plan, i, text, sizeof text));
+        }
+    }
 }
 
 const char *scene_plan_amount(const btf_plan *plan, char *text, size_t size) {
@@ -156,7 +174,8 @@ const char *scene_plan_amount(const btf_plan *plan, char *text, size_t size) {
 }
 
 /* What the plan leaves out of the whole material, after `text`; nothing where that is nothing. */
-static void print_left_out(FILE *out, const char *text, const btf_material *material, const btf_plan *plan) {
+static void print_left_out(FILE *out, const char *text, const btf_material *material,
+                           const btf_plan *plan) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
     const uint32_t effects = info.effects & ~plan->effects;
@@ -170,19 +189,22 @@ static void print_left_out(FILE *out, const char *text, const btf_material *mate
                  {info.n_lights - plan->lights, "light"},
                  {plan->level, "level"}};
     const char *separator = text;
-    for (int i = 0; i < CLI_EFFECTS_COUNT; i++)
+    for (int i = 0; i < CLI_EFFECTS_COUNT; i++) {
         if (effects >> i & 1) {
             fprintf(out, "%s%s", separator, cli_effect_word(i));
             separator = ", ";
         }
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+    }
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
         if (parts[i].count > 0) {
             fprintf(out, "%s%u %s%s", separator, (unsigned)parts[i].count, parts[i].one,
                     parts[i].count == 1 ? "" : "s");
             separator = ", ";
         }
-    if (separator != text)
+    }
+    if (separator != text) {
         fprintf(out, "\n");
+    }
 }
 
 /* How a fixed light is folded, or why not. */
@@ -199,22 +221,26 @@ static void print_fold(FILE *out, const char *indent, const btf_material *materi
         return;
     }
     fprintf(out, "%snothing is folded: ", indent);
-    if (info.colour != BTF_COLOUR_NONE)
+    if (info.colour != BTF_COLOUR_NONE) {
         fprintf(out, "the SBRDF depends on the view\n");
-    else if (between_gain(material, BTF_EFFECT_GLOSS, gain))
+    } else if (between_gain(material, BTF_EFFECT_GLOSS, gain)) {
         fprintf(out,
-                "with gloss lights depend on the view; without it about %.2f/%.2f dB are lost between the samples\n",
+                "with gloss lights depend on the view; without it about %.2f/%.2f dB are lost between the "
+                "samples\n",
                 gain[0], gain[1]);
-    else
-        fprintf(out, "with gloss lights depend on the view, and the file does not say what gloss is worth\n");
+    } else {
+        fprintf(out,
+                "with gloss lights depend on the view, and the file does not say what gloss is worth\n");
+    }
 }
 
 void scene_plan_print(FILE *out, const char *indent, const btf_material *material, const btf_plan *plan) {
     char words[48], amount[32], left_out[64];
     snprintf(left_out, sizeof left_out, "%sleft out: ", indent);
     fprintf(out, "%seffects %s", indent, cli_effects_text(plan->effects, words));
-    if (plan->components)
+    if (plan->components) {
         fprintf(out, ", %s", scene_plan_amount(plan, amount, sizeof amount));
+    }
     fprintf(out, ", %s directions, %s, level %u%s%s\n",
             plan->shader.interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "interpolated",
             plan->shader.filter == BTF_FILTER_TEXEL ? "one texel" : filter_name(plan->shader.filter),
@@ -225,17 +251,22 @@ void scene_plan_print(FILE *out, const char *indent, const btf_material *materia
             (unsigned)plan->views, (unsigned)plan->lights, plan->gpu_bytes, plan->full_gpu_bytes,
             100 * (double)plan->gpu_bytes / (double)plan->full_gpu_bytes,
             100 * (double)plan->cost / (double)plan->full_cost);
-    if (plan->scene.light.fixed)
+    if (plan->scene.light.fixed) {
         print_fold(out, indent, material, plan);
+    }
     print_reasons(out, indent, material, plan);
-    if (plan->measured)
+    if (plan->measured) {
         fprintf(out, "%spredicted PSNR %.2f dB linear, %.2f sRGB; full decode %.2f, %.2f\n", indent,
                 (double)plan->psnr_linear, (double)plan->psnr_srgb, (double)plan->full_psnr_linear,
                 (double)plan->full_psnr_srgb);
-    if (plan->full_between_psnr_linear > 0)
-        fprintf(out, "%sbetween the samples, estimated: %.2f dB linear, %.2f sRGB; full decode %.2f, %.2f\n", indent,
-                (double)plan->between_psnr_linear, (double)plan->between_psnr_srgb,
+    }
+    if (plan->full_between_psnr_linear > 0) {
+        fprintf(out,
+                "%sbetween the samples, estimated: %.2f dB linear, %.2f sRGB; full decode %.2f, %.2f\n",
+                indent, (double)plan->between_psnr_linear, (double)plan->between_psnr_srgb,
                 (double)plan->full_between_psnr_linear, (double)plan->full_between_psnr_srgb);
-    if (!plan->measured)
+    }
+    if (!plan->measured) {
         fprintf(out, "%sthe file has no effect errors: everything is decoded\n", indent);
+    }
 }

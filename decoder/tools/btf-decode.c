@@ -147,9 +147,11 @@ static void make_thresholds(float thresholds[256]) {
 
 static unsigned char srgb_code(const float thresholds[256], float linear) {
     int low = 0;
-    for (int step = 128; step > 0; step /= 2)
-        if (linear >= thresholds[low + step])
+    for (int step = 128; step > 0; step /= 2) {
+        if (linear >= thresholds[low + step]) {
             low += step;
+        }
+    }
     return (unsigned char)low;
 }
 
@@ -168,12 +170,15 @@ static btf_result decode_image(const decoder *d, const char *path, const float l
                                          .fixed = BTF_FIXED_LIGHT | BTF_FIXED_VIEW,
                                          .rgb = rgb};
     const btf_result result = btf_evaluate_many(d->evaluator, &d->options, &evaluations);
-    if (result)
+    if (result) {
         return cli_error(&program, result, "cannot decode an image");
-    if (d->format == FORMAT_EXR)
+    }
+    if (d->format == FORMAT_EXR) {
         return exr_image_write(path, (int)width, (int)height, rgb, false, d->log);
-    for (size_t i = 0; i < values; i++)
+    }
+    for (size_t i = 0; i < values; i++) {
         codes[i] = srgb_code(d->thresholds, rgb[i]);
+    }
     return png_image_write8(path, (int)width, (int)height, codes, d->log);
 }
 
@@ -190,10 +195,11 @@ static btf_result decode_one(const decoder *d) {
     from_angles(options.view, view);
     from_angles(options.light, light);
     btf_result result = make_buffers(d, &rgb, &codes);
-    if (result)
+    if (result) {
         cli_error(&program, result, "out of memory for an image");
-    else
+    } else {
         result = decode_image(d, options.out, light, view, rgb, codes);
+    }
     free(rgb);
     free(codes);
     return result;
@@ -217,17 +223,20 @@ static void direction_text(const float d[3], char theta[16], char phi[16]) {
     const double sine = hypot((double)d[0], (double)d[1]), precision = 5e-5;
     double azimuth = atan2((double)d[1], (double)d[0]) * (180 / PI);
     angle_text(atan2(sine, (double)d[2]) * (180 / PI), precision, theta);
-    if (sine < 1e-6)
+    if (sine < 1e-6) {
         azimuth = 0;
-    else if (azimuth < -precision / sine)
+    } else if (azimuth < -precision / sine) {
         azimuth += 360;
+    }
     angle_text(azimuth < 0 ? 0 : azimuth, sine < 1e-6 ? precision : precision / sine, phi);
 }
 
 static btf_result make_directory(const char *path) {
     struct stat status;
-    if (mkdir(path, 0777) == 0 || (errno == EEXIST && stat(path, &status) == 0 && S_ISDIR(status.st_mode)))
+    if (mkdir(path, 0777) == 0 ||
+        (errno == EEXIST && stat(path, &status) == 0 && S_ISDIR(status.st_mode))) {
         return BTF_OK;
+    }
     return cli_error(&program, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
 }
 
@@ -241,8 +250,9 @@ static btf_result decode_view(const decoder *d, const btf_directions *views, con
     int length =
         snprintf(path, sizeof path, "%s/tv%s_pv%s/%05u tl%s pl%s tv%s pv%s.%s", options.out, tv, pv,
                  (unsigned)(views->count * l + v), tl, pl, tv, pv, d->format == FORMAT_EXR ? "exr" : "png");
-    if (length >= (int)sizeof path)
+    if (length >= (int)sizeof path) {
         return cli_error(&program, BTF_ERROR_USAGE, "%s: the file name is too long", options.out);
+    }
     return decode_image(d, path, light, view, rgb, codes);
 }
 
@@ -251,13 +261,15 @@ static btf_result decode_all(const decoder *d, const btf_directions *views, cons
     for (uint32_t v = 0; v < views->count && !result; v++) {
         char path[4096], tv[16], pv[16];
         direction_text(views->xyz + 3 * (size_t)v, tv, pv);
-        if (snprintf(path, sizeof path, "%s/tv%s_pv%s", options.out, tv, pv) >= (int)sizeof path)
+        if (snprintf(path, sizeof path, "%s/tv%s_pv%s", options.out, tv, pv) >= (int)sizeof path) {
             return cli_error(&program, BTF_ERROR_USAGE, "%s: the file name is too long", options.out);
+        }
         result = make_directory(path);
     }
     progress *p = result ? NULL : progress_create(options.quiet);
-    if (!p)
+    if (!p) {
         return result ? result : cli_error(&program, BTF_ERROR_MEMORY, "out of memory");
+    }
     const int count = (int)(views->count * lights->count);
     progress_begin(p, "decoding", (size_t)count);
 #pragma omp parallel num_threads(options.threads)
@@ -265,18 +277,21 @@ static btf_result decode_all(const decoder *d, const btf_directions *views, cons
         float *rgb;
         unsigned char *codes;
         btf_result mine = make_buffers(d, &rgb, &codes);
-        if (mine)
+        if (mine) {
             cli_error(&program, mine, "out of memory for an image");
+        }
 #pragma omp for schedule(dynamic)
         for (int i = 0; i < count; i++) {
             btf_result seen;
 #pragma omp atomic read
             seen = result;
-            if (!mine && !seen && progress_cancelled())
+            if (!mine && !seen && progress_cancelled()) {
                 mine = BTF_ERROR_INTERRUPTED;
-            if (!mine && !seen)
+            }
+            if (!mine && !seen) {
                 mine = decode_view(d, views, lights, (uint32_t)i / lights->count,
                                    (uint32_t)i % lights->count, rgb, codes);
+            }
             if (mine) {
 #pragma omp atomic write
                 result = mine;
@@ -300,43 +315,53 @@ static bool is_directory(const char *path) {
 static bool ends_as_other_image(const char *path) {
     static const char *const endings[] = {".jpg", ".jpeg", ".tif",  ".tiff",
                                           ".hdr", ".bmp",  ".webp", ".zip"};
-    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
-        if (file_ends_in(path, endings[i]))
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+        if (file_ends_in(path, endings[i])) {
             return !is_directory(path);
+        }
+    }
     return false;
 }
 
 /* Picks the format by OUT's ending where --format does not. */
 static btf_result choose_format(void) {
     const char *other = options.format == FORMAT_EXR ? ".png" : ".exr";
-    if (options.format_given && !options.all && file_ends_in(options.out, other))
+    if (options.format_given && !options.all && file_ends_in(options.out, other)) {
         return cli_error(&program, BTF_ERROR_USAGE,
                          "option --format: the file name '%s' ends as another format's", options.out);
-    if (options.format_given || options.all)
+    }
+    if (options.format_given || options.all) {
         return BTF_OK;
-    if (file_ends_in(options.out, ".exr"))
+    }
+    if (file_ends_in(options.out, ".exr")) {
         options.format = FORMAT_EXR;
-    else if (!file_ends_in(options.out, ".png"))
+    } else if (!file_ends_in(options.out, ".png")) {
         return cli_error(&program, BTF_ERROR_USAGE,
                          "option --output: '%s' ends neither in .png nor in .exr, and there is no --format",
                          options.out);
+    }
     return BTF_OK;
 }
 
 static btf_result check_options(void) {
-    if (!options.out)
+    if (!options.out) {
         return cli_error(&program, BTF_ERROR_USAGE,
                          "option --output is missing: an image, or a directory for all images");
-    if (options.all && (options.view_given || options.light_given))
+    }
+    if (options.all && (options.view_given || options.light_given)) {
         return cli_error(&program, BTF_ERROR_USAGE, "option --all: not together with --view or --light");
-    if (!options.all && ends_as_other_image(options.out))
+    }
+    if (!options.all && ends_as_other_image(options.out)) {
         return cli_error(&program, BTF_ERROR_USAGE,
                          "option --output: '%s' ends neither in .png nor in .exr", options.out);
+    }
     const bool is_image = file_ends_in(options.out, ".png") || file_ends_in(options.out, ".exr");
-    if (!options.view_given && !options.light_given && (!is_image || is_directory(options.out)))
+    if (!options.view_given && !options.light_given && (!is_image || is_directory(options.out))) {
         options.all = true;
-    if (options.threads == 0)
+    }
+    if (options.threads == 0) {
         options.threads = omp_get_num_procs();
+    }
     return choose_format();
 }
 
@@ -351,12 +376,14 @@ static void clear_decoder(decoder *d) {
 static bool make_positions(decoder *d) {
     const size_t count = (size_t)d->width * d->height;
     d->levels = malloc(count * sizeof *d->levels);
-    if (d->options.filter == BTF_FILTER_TEXEL)
+    if (d->options.filter == BTF_FILTER_TEXEL) {
         d->texels = malloc(2 * count * sizeof *d->texels);
-    else
+    } else {
         d->uv = malloc(2 * count * sizeof *d->uv);
-    if (!d->levels || (!d->texels && !d->uv))
+    }
+    if (!d->levels || (!d->texels && !d->uv)) {
         return false;
+    }
     for (size_t i = 0; i < count; i++) {
         const uint32_t column = (uint32_t)(i % d->width), row = (uint32_t)(i / d->width);
         d->levels[i] = options.level;
@@ -374,9 +401,10 @@ static bool make_positions(decoder *d) {
 static btf_result make_decoder(const char *path, const btf_material *material, decoder *d) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
-    if ((uint32_t)options.level >= info.levels)
+    if ((uint32_t)options.level >= info.levels) {
         return cli_error(&program, BTF_ERROR_USAGE, "option --level: %d, but %s has %u level%s",
                          options.level, path, (unsigned)info.levels, info.levels == 1 ? "" : "s");
+    }
     d->width = btf_level_size(info.width, (uint32_t)options.level);
     d->height = btf_level_size(info.height, (uint32_t)options.level);
     d->options = (btf_evaluate_options){
@@ -386,21 +414,25 @@ static btf_result make_decoder(const char *path, const btf_material *material, d
         .interpolation = options.interpolation ? BTF_INTERPOLATION_LINEAR : BTF_INTERPOLATION_NEAREST,
         .filter = (btf_filter)options.filter};
     const btf_result result = btf_evaluator_create(material, &d->log, &d->evaluator);
-    if (result)
+    if (result) {
         return result;
+    }
     return make_positions(d) ? BTF_OK : cli_error(&program, BTF_ERROR_MEMORY, "out of memory for an image");
 }
 
 static btf_result run(const char *path) {
     btf_result result = check_options();
-    if (result)
+    if (result) {
         return result;
-    if (output_is_same(options.out, path))
+    }
+    if (output_is_same(options.out, path)) {
         return cli_error(&program, BTF_ERROR_USAGE, "option --output: %s is the input", options.out);
+    }
     decoder d = {.format = options.format, .log = cli_log(&program, options.quiet)};
     btf_material *material = NULL;
-    if ((result = btf_material_open(path, &d.log, &material)))
+    if ((result = btf_material_open(path, &d.log, &material))) {
         return result;
+    }
     make_thresholds(d.thresholds);
     result = make_decoder(path, material, &d);
     if (!result && options.all) {
@@ -417,7 +449,8 @@ static btf_result run(const char *path) {
 int main(int argc, char **argv) {
     cli_arguments arguments;
     int exit_code;
-    if (!cli_parse(&program, argc, argv, &arguments, &exit_code))
+    if (!cli_parse(&program, argc, argv, &arguments, &exit_code)) {
         return exit_code;
+    }
     return cli_finish(&program, run(arguments.values[0]));
 }

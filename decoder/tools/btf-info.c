@@ -26,7 +26,11 @@ static const cli_option option_table[] = {
      .parse = scene_option_parse,
      .help =
          "print how a scene is decoded, as the shader options of btf_plan_effects:\n" SCENE_OPTION_HELP},
-    {.name = "costs", .arg = "FILE", .type = CLI_STRING, .value = &options.costs, .help = COSTS_OPTION_HELP},
+    {.name = "costs",
+     .arg = "FILE",
+     .type = CLI_STRING,
+     .value = &options.costs,
+     .help = COSTS_OPTION_HELP},
     {.type = CLI_END},
 };
 
@@ -55,25 +59,30 @@ static btf_result run(const char *path) {
     btf_material *material = NULL;
     btf_cost_model costs;
     btf_result result = BTF_OK;
-    if (options.costs && !options.plan)
+    if (options.costs && !options.plan) {
         return cli_error(&program, BTF_ERROR_USAGE, "option --costs: only together with --plan");
-    if (options.costs)
+    }
+    if (options.costs) {
         result = btf_cost_model_open(options.costs, &log, &costs);
+    }
     options.scene.scene.costs = options.costs ? &costs : NULL;
-    if (!result)
+    if (!result) {
         result = btf_material_open(path, &log, &material);
-    if (result)
+    }
+    if (result) {
         return result;
+    }
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
     struct stat status;
     uint64_t file_bytes = stat(path, &status) == 0 && status.st_size > 0 ? (uint64_t)status.st_size : 0;
-    if (options.plan)
+    if (options.plan) {
         result = print_plan(&program, path, material, &options.scene, options.json);
-    else if (options.json)
+    } else if (options.json) {
         result = print_json(&program, path, file_bytes, material, &info);
-    else
+    } else {
         print_text(path, file_bytes, material, &info);
+    }
     btf_material_close(&material);
     return result;
 }
@@ -81,7 +90,8 @@ static btf_result run(const char *path) {
 int main(int argc, char **argv) {
     cli_arguments arguments;
     int exit_code;
-    if (!cli_parse(&program, argc, argv, &arguments, &exit_code))
+    if (!cli_parse(&program, argc, argv, &arguments, &exit_code)) {
         return exit_code;
+    }
     return cli_finish(&program, run(arguments.values[0]));
 }

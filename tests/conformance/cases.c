@@ -86,8 +86,9 @@ static void extreme_direction(random_state *r, const btf_directions *list, float
     case 2:
     case 3: {
         const float *sample = list->xyz + 3 * (size_t)random_below(r, list->count);
-        for (int i = 0; i < 3; ++i)
+        for (int i = 0; i < 3; ++i) {
             out[i] = sample[i];
+        }
         return;
     }
     case 4:
@@ -98,9 +99,10 @@ static void extreme_direction(random_state *r, const btf_directions *list, float
         from_angles(random_between(r, 89, 90.2) * M_PI / 180, phi, out);
         return;
     default: /* arguments that no caller should hand over */
-        for (int i = 0; i < 3; ++i)
+        for (int i = 0; i < 3; ++i) {
             out[i] = random_below(r, 2) ? (float)random_between(r, -2, 2)
                                         : float_of_bits(components[random_below(r, 16)]);
+        }
         return;
     }
 }
@@ -149,9 +151,11 @@ static void grazing(random_state *r, float light[3], float view[3]) {
     const double theta = random_between(r, 75, 90) * M_PI / 180, phi = random_between(r, 0, 2 * M_PI);
     from_angles(theta, phi, view);
     const uint32_t kind = random_below(r, 4);
-    if (kind > 1) /* now and then exactly opposed */
+    if (kind > 1) { /* now and then exactly opposed */
         from_angles(random_below(r, 2) ? theta : random_between(r, 75, 90) * M_PI / 180,
-                    phi + (kind == 2 ? M_PI : 0) + random_below(r, 2) * random_between(r, -0.1, 0.1), light);
+                    phi + (kind == 2 ? M_PI : 0) + random_below(r, 2) * random_between(r, -0.1, 0.1),
+                    light);
+    }
 }
 
 void case_make(random_state *r, const btf_material *material, uint32_t out[CASE_WORDS]) {
@@ -163,7 +167,8 @@ void case_make(random_state *r, const btf_material *material, uint32_t out[CASE_
     f[1] = case_coordinate(r, info.height);
     case_direction(r, &lights, f + 2);
     case_direction(r, &views, f + 5);
-    if (info.effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS) && random_below(r, 4) == 0)
+    if (info.effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS) && random_below(r, 4) == 0) {
         grazing(r, f + 2, f + 5);
+    }
     memcpy(out, f, sizeof f);
 }

@@ -20,12 +20,12 @@ static btf_range random_range(random_state *r, const btf_directions *list) {
         return range;
     case 1:
         range.fixed = 1;
-        do
+        do {
             case_direction(r, list, range.direction);
-        while (!(range.direction[2] >= 0x1p-24f && range.direction[2] <= 1) ||
-               !(fabs(hypot(hypot((double)range.direction[0], (double)range.direction[1]),
-                            (double)range.direction[2]) -
-                      1) < 1e-4));
+        } while (!(range.direction[2] >= 0x1p-24f && range.direction[2] <= 1) ||
+                 !(fabs(hypot(hypot((double)range.direction[0], (double)range.direction[1]),
+                              (double)range.direction[2]) -
+                        1) < 1e-4));
         return range;
     default:
         range.theta[0] = random_below(r, 2) ? 0 : (float)random_between(r, 0, 80);
@@ -48,12 +48,14 @@ static btf_result make_plan(const check_subject *subject, random_state *r, btf_p
                        .light = random_range(r, &lights),
                        .pixels = random_below(r, 2) ? 0.4f : 1};
     btf_result result = btf_plan_effects(material, &scene, 0.5f, plan);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     const btf_shader_options *wanted = subject->shader;
     plan->shader.have_precise = wanted->have_precise;
-    if (plan->measured)
+    if (plan->measured) {
         return BTF_OK;
+    }
     btf_material_get_info(material, &info);
     plan->effects = info.effects & ~wanted->leave_out;
     plan->components =
@@ -73,12 +75,14 @@ btf_result check_planned(const check_subject *subject, uint64_t seed, uint64_t c
     check_session session;
     check_subject altered = *subject;
     btf_result result = make_plan(subject, &r, &plan);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_material_restrict(subject->material, &plan, subject->log, &small);
+    }
     altered.material = small;
     altered.shader = &plan.shader;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = check_begin(&altered, gpu_evaluate_body, &session);
+    }
     if (result != BTF_OK) {
         btf_material_close(&small);
         return result;

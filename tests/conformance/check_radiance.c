@@ -51,20 +51,23 @@ btf_result check_radiance(const check_subject *subject, uint64_t seed, uint64_t 
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(subject->material, &info);
     btf_ref_material levels[BTF_MAX_LEVELS];
-    for (uint32_t level = 0; level < info.levels; ++level)
+    for (uint32_t level = 0; level < info.levels; ++level) {
         reference_view(subject->material, level, &levels[level]);
+    }
     int by_entry = shader.interpolation == BTF_INTERPOLATION_NEAREST && (seed & 1) && info.levels == 1;
     btf_ref_options options = variant_reference_options(&shader);
-    if (by_entry)
+    if (by_entry) {
         shader.interpolation = BTF_INTERPOLATION_LINEAR;
+    }
     altered.shader = &shader;
     btf_result result = check_begin(&altered,
                                     info.levels > 1 ? body_level
                                     : by_entry      ? body_nearest
                                                     : gpu_evaluate_body,
                                     &session);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     random_state r = {seed};
     const uint64_t batch = (uint64_t)GPU_SIDE * GPU_SIDE;
     for (uint64_t first = 0; first < count && result == BTF_OK; first += batch) {
@@ -89,8 +92,9 @@ static int64_t place(uint32_t bits) {
 static void add_error(check_fast *f, uint32_t exact_bits, uint32_t fast_bits) {
     int64_t ulp = llabs(place(exact_bits) - place(fast_bits));
     int bin = 0;
-    while (bin < 33 && ulp >> bin)
+    while (bin < 33 && ulp >> bin) {
         ++bin;
+    }
     f->ulp_counts[bin]++;
     double exact = (double)float_of_bits(exact_bits),
            absolute = fabs((double)float_of_bits(fast_bits) - exact);
@@ -104,8 +108,9 @@ static void add_error(check_fast *f, uint32_t exact_bits, uint32_t fast_bits) {
 btf_result check_fast_math(const check_subject *subject, uint64_t seed, uint64_t count, check_fast *out) {
     check_session session;
     btf_result result = check_begin(subject, gpu_evaluate_body, &session);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     btf_ref_options options = variant_reference_options(subject->shader);
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(subject->material, &info);
@@ -129,10 +134,12 @@ btf_result check_fast_math(const check_subject *subject, uint64_t seed, uint64_t
                       session.expected + GPU_OUTPUTS * i);
         }
         result = gpu_run(subject->gpu, session.program, n, session.inputs, session.actual, subject->log);
-        for (size_t i = 0; i < n && result == BTF_OK; ++i)
-            for (int c = 0; c < 3; ++c)
+        for (size_t i = 0; i < n && result == BTF_OK; ++i) {
+            for (int c = 0; c < 3; ++c) {
                 add_error(out, session.expected[GPU_OUTPUTS * i + (size_t)c],
                           session.actual[GPU_OUTPUTS * i + (size_t)c]);
+            }
+        }
         out->evaluated += n;
     }
     check_end(&session);

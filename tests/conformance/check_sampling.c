@@ -37,16 +37,19 @@ static void make_case(const subject *s, random_state *r, uint32_t *in, uint32_t 
     memcpy(in, view, sizeof view);
     in[3] = (uint32_t)random_bits(r);
     in[4] = (uint32_t)random_bits(r);
-    if (random_below(r, 8) == 0) /* the ends of parts, and of all */
+    if (random_below(r, 8) == 0) { /* the ends of parts, and of all */
         in[3] =
             s->tables->triangles[4 * (size_t)random_below(r, s->tables->n_triangles)] - random_below(r, 3);
-    if (random_below(r, 8) == 0)
+    }
+    if (random_below(r, 8) == 0) {
         in[4] = random_below(r, 2) ? 0xFFFFFFFFu : random_below(r, 300);
+    }
     memcpy(in + 5, light, sizeof light);
-    if (in[3] & 1)
+    if (in[3] & 1) {
         result[0] = btf_ref_pdf_light(s->reference, &s->sampling, 0, 0, view, light);
-    else
+    } else {
         btf_ref_sample_light(s->reference, &s->sampling, 0, 0, view, in[3], in[4], result, &result[3]);
+    }
     memcpy(out, result, sizeof result);
 }
 
@@ -61,18 +64,23 @@ btf_result check_sampling(const check_subject *of, uint64_t seed, uint64_t count
     snprintf(preamble, sizeof preamble, "#define BTF_SAMPLING 1\n%s", of->preamble ? of->preamble : "");
     altered.preamble = preamble;
     btf_result result = check_begin(&altered, body, &session);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     const btf_gl_options options = gpu_gl_options(of->gpu, of->shader);
     result = btf_evaluator_create(of->material, of->log, &evaluator);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_light_sampling_create(of->material, evaluator, of->log, &tables);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = btf_gl_light_sampling_create(tables, &options, of->log, &textures);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = btf_gl_bind(session.gl, session.program, GPU_FIRST_UNIT, NULL, of->log, &units);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         btf_gl_light_sampling_bind(textures, session.program, GPU_FIRST_UNIT + units, NULL, NULL);
+    }
     random_state r = {seed};
     const uint64_t batch = (uint64_t)GPU_SIDE * GPU_SIDE;
     for (uint64_t first = 0; first < count && result == BTF_OK; first += batch) {
@@ -81,8 +89,9 @@ btf_result check_sampling(const check_subject *of, uint64_t seed, uint64_t count
                            {tables->n_triangles, tables->triangles, tables->densities},
                            &session.reference};
         const size_t n = (size_t)(count - first < batch ? count - first : batch);
-        for (size_t i = 0; i < n; ++i)
+        for (size_t i = 0; i < n; ++i) {
             make_case(&s, &r, session.inputs + GPU_INPUTS * i, session.expected + GPU_OUTPUTS * i);
+        }
         result = check_batch(&session, "sampling", first, n, GPU_OUTPUTS, outcome);
     }
     btf_gl_light_sampling_destroy(&textures);

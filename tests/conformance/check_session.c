@@ -22,8 +22,9 @@ btf_result check_begin(const check_subject *subject, const char *body, check_ses
     out->actual = calloc(elements, GPU_OUTPUTS * sizeof(uint32_t));
     char *text = NULL;
     btf_result result = out->inputs && out->expected && out->actual ? BTF_OK : BTF_ERROR_MEMORY;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_shader_source(subject->material, subject->shader, subject->log, &text);
+    }
     if (result == BTF_OK) {
         const char *library = subject->tamper ? subject->tamper(text) : text;
         out->program = gpu_program(subject->gpu, subject->preamble, library, body, subject->log);
@@ -34,16 +35,19 @@ btf_result check_begin(const check_subject *subject, const char *body, check_ses
         btf_gl_options options = gpu_gl_options(subject->gpu, subject->shader);
         result = btf_gl_upload(subject->material, &options, subject->log, &out->gl);
     }
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_gl_bind(out->gl, out->program, GPU_FIRST_UNIT, NULL, subject->log, NULL);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         check_end(out);
+    }
     return result;
 }
 
 void check_end(check_session *session) {
-    if (session->program)
+    if (session->program) {
         gpu_delete_program(session->subject->gpu, session->program);
+    }
     btf_gl_destroy(&session->gl);
     free(session->inputs);
     free(session->expected);
@@ -57,12 +61,13 @@ static void paint(const uint32_t *words, unsigned char *rgb) {
         float f;
         memcpy(&f, &words[c], sizeof f);
         uint32_t exponent = words[c] >> 23 & 255;
-        if (words[c] == 0)
+        if (words[c] == 0) {
             rgb[c] = 0;
-        else if (exponent > 90 && exponent < 160)
+        } else if (exponent > 90 && exponent < 160) {
             rgb[c] = (unsigned char)(255 * fmin(sqrt(fabs((double)f)), 1));
-        else
+        } else {
             rgb[c] = (unsigned char)(words[c] & 255);
+        }
     }
 }
 
@@ -71,15 +76,17 @@ static void dump(const check_session *session, const char *step, size_t count, i
     const check_subject *s = session->subject;
     int rows = (int)((count + GPU_SIDE - 1) / GPU_SIDE);
     unsigned char *pictures = calloc(3 * (size_t)rows * GPU_SIDE, 3);
-    if (!pictures)
+    if (!pictures) {
         return;
+    }
     size_t plane = 3 * (size_t)rows * GPU_SIDE;
     for (size_t i = 0; i < count; ++i) {
         const uint32_t *e = session->expected + GPU_OUTPUTS * i, *a = session->actual + GPU_OUTPUTS * i;
         paint(e, pictures + 3 * i);
         paint(a, pictures + plane + 3 * i);
-        for (int c = 0; c < words && c < 3; ++c)
+        for (int c = 0; c < words && c < 3; ++c) {
             pictures[2 * plane + 3 * i + (size_t)c] = e[c] != a[c] ? 255 : 0;
+        }
     }
     static const char *const names[] = {"reference", "gpu", "mask"};
     for (size_t p = 0; p < 3; ++p) {
@@ -102,13 +109,15 @@ btf_result check_batch(check_session *session, const char *step, uint64_t first,
                        check_outcome *outcome) {
     btf_result result = gpu_run(session->subject->gpu, session->program, count, session->inputs,
                                 session->actual, session->subject->log);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     uint64_t before = outcome->different;
     for (size_t i = 0; i < count; ++i) {
         const uint32_t *e = session->expected + GPU_OUTPUTS * i, *a = session->actual + GPU_OUTPUTS * i;
-        if (memcmp(e, a, (size_t)words * sizeof *e) == 0 && (words != 3 || is_finite_radiance(e)))
+        if (memcmp(e, a, (size_t)words * sizeof *e) == 0 && (words != 3 || is_finite_radiance(e))) {
             continue;
+        }
         if (outcome->different++ == 0) {
             snprintf(outcome->step, sizeof outcome->step, "%s", step);
             outcome->index = first + i;
@@ -118,7 +127,8 @@ btf_result check_batch(check_session *session, const char *step, uint64_t first,
         }
     }
     outcome->evaluated += count;
-    if (before == 0 && outcome->different > 0 && session->subject->dump_dir)
+    if (before == 0 && outcome->different > 0 && session->subject->dump_dir) {
         dump(session, step, count, words);
+    }
     return BTF_OK;
 }

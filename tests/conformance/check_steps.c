@@ -86,9 +86,10 @@ static void make_bilinear(steps *s, uint64_t i, uint32_t *in, uint32_t *out) {
                     : i & 2 ? s->info.width
                             : 1 + random_below(&s->random, BTF_MAX_SIZE);
     uint32_t p = random_below(&s->random, 1u << 18);
-    if (random_below(&s->random, 8) == 0)
+    if (random_below(&s->random, 8) == 0) {
         p = random_below(&s->random, 2) ? 0x3FFFF - random_below(&s->random, 4)
                                         : random_below(&s->random, 4);
+    }
     in[0] = p * size;
     in[1] = size;
     btf_ref_bilinear(in[0], size, &out[0], &out[1], &out[2]);
@@ -115,13 +116,14 @@ static void make_wrap(steps *s, uint64_t i, uint32_t *in, uint32_t *out) {
 static void make_project(steps *s, uint64_t i, uint32_t *in, uint32_t *out) {
     btf_directions list = i & 1 ? btf_material_views(s->material) : btf_material_lights(s->material);
     float d[3];
-    do
+    do {
         case_direction(&s->random, &list, d);
-    while (!(fabsf(d[0]) <= 2 && fabsf(d[1]) <= 2 && d[2] >= 0x1p-24f && d[2] <= 2));
+    } while (!(fabsf(d[0]) <= 2 && fabsf(d[1]) <= 2 && d[2] >= 0x1p-24f && d[2] <= 2));
     int32_t q[2];
     btf_ref_project(d, q);
-    for (int c = 0; c < 3; ++c)
+    for (int c = 0; c < 3; ++c) {
         in[c] = bits_of_float(d[c]);
+    }
     out[0] = (uint32_t)q[0];
     out[1] = (uint32_t)q[1];
 }
@@ -166,8 +168,9 @@ static void make_light_lookup(steps *s, uint64_t i, uint32_t *in, uint32_t *out)
 
 /* Every texel of every tile. */
 static uint64_t count_tile(const steps *s) {
-    if (s->info.layout != BTF_LAYOUT_PAPER)
+    if (s->info.layout != BTF_LAYOUT_PAPER) {
         return 0;
+    }
     return (uint64_t)s->info.width * s->info.height *
            (s->info.n_views > s->info.n_lights ? s->info.n_views : s->info.n_lights);
 }
@@ -253,9 +256,11 @@ static void make_codes(steps *s, uint64_t i, uint32_t *in, uint32_t *out) {
         uint32_t x, y;
         btf_ref_tile(m, in[2], in[0], in[1], &x, &y);
         /* A variant that decodes the shadow alone leaves the rest of the texel. */
-        if (s->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN))
-            for (size_t c = 0; c < 3; ++c)
+        if (s->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN)) {
+            for (size_t c = 0; c < 3; ++c) {
                 out[c] = m->maps[4 * ((size_t)y * m->atlas_width + x) + 1 + c];
+            }
+        }
         return;
     }
     if (s->textures >> BTF_TEXTURE_POINTS & 1) {
@@ -271,8 +276,9 @@ static void make_codes(steps *s, uint64_t i, uint32_t *in, uint32_t *out) {
         out[1] = entry[0] % 64;
         out[2] = entry[0] / 64 + entry[1] % 16 * 4u;
     }
-    if (s->textures >> BTF_TEXTURE_GAIN & 1)
+    if (s->textures >> BTF_TEXTURE_GAIN & 1) {
         out[0] = m->gain[i];
+    }
     if (s->textures >> BTF_TEXTURE_SHIFT & 1) {
         out[1] = m->shift[2 * i];
         out[2] = m->shift[2 * i + 1];
@@ -308,12 +314,15 @@ static void make_arithmetic(steps *s, uint64_t i, uint32_t *in, uint32_t *out) {
     float e = (float)random_between(r, -60, 40);
     float base = random_below(r, 8) ? (float)random_between(r, 0, 2) : x,
           n = (float)exp2(random_between(r, -4, 8));
-    if (random_below(r, 8) == 0)
+    if (random_below(r, 8) == 0) {
         base = -base;
-    if (random_below(r, 8) == 0)
+    }
+    if (random_below(r, 8) == 0) {
         n = float_of_bits((127 - 24 + random_below(r, 48)) << 23 | random_below(r, 2) << 31);
-    if (random_below(r, 64) == 0)
+    }
+    if (random_below(r, 64) == 0) {
         n = 0;
+    }
     float d = (float)random_between(r, 0.5, 4);
     in[0] = bits_of_float(x);
     in[1] = bits_of_float(e);
@@ -360,8 +369,9 @@ static btf_result run_step(check_session *session, steps *s, uint32_t step, uint
             in[7] = step;
         }
         btf_result result = check_batch(session, check_step_names[step], first, n, GPU_OUTPUTS, outcome);
-        if (result != BTF_OK)
+        if (result != BTF_OK) {
             return result;
+        }
     }
     return BTF_OK;
 }
@@ -377,14 +387,16 @@ static uint16_t *widen_table(const check_session *session, btf_texture_id id) {
     const size_t cells = (size_t)d.grid * d.grid;
     const gl_api *gl = gpu_api(session->subject->gpu);
     uint16_t *wide = malloc(t.size);
-    if (!wide)
+    if (!wide) {
         return NULL;
+    }
     memcpy(wide, t.data, t.size);
     for (size_t r = 0; r < d.cells_length - cells; ++r) {
         uint16_t *record = wide + 4 * (cells + 3 * r);
         static const int places[] = {6, 8, 9}; /* ic, ia, ib */
-        for (int i = 0; i < 3; ++i)
+        for (int i = 0; i < 3; ++i) {
             record[places[i]] = (uint16_t)(257u * record[places[i]]);
+        }
     }
     gl->ActiveTexture(GL_TEXTURE0);
     gl->BindTexture(GL_TEXTURE_2D, btf_gl_texture(session->gl, id));
@@ -397,8 +409,9 @@ btf_result check_steps(const check_subject *subject, uint64_t seed, uint64_t mos
                        check_outcome *outcome) {
     check_session session;
     btf_result result = check_begin(subject, body, &session);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     steps s = {.material = subject->material, .reference = &session.reference, .random = {seed}};
     s.info.struct_size = sizeof s.info;
     btf_material_get_info(subject->material, &s.info);
@@ -412,11 +425,14 @@ btf_result check_steps(const check_subject *subject, uint64_t seed, uint64_t mos
              *lights = widen_table(&session, BTF_TEXTURE_LIGHT_TABLE);
     session.reference.view_table = views;
     session.reference.light_table = lights;
-    if (!views || !lights)
+    if (!views || !lights) {
         result = BTF_ERROR_MEMORY;
-    for (uint32_t step = 0; step < STEP_COUNT && result == BTF_OK; ++step)
-        if (!only || strcmp(only, check_step_names[step]) == 0)
+    }
+    for (uint32_t step = 0; step < STEP_COUNT && result == BTF_OK; ++step) {
+        if (!only || strcmp(only, check_step_names[step]) == 0) {
             result = run_step(&session, &s, step, most, outcome);
+        }
+    }
     check_end(&session);
     free(views);
     free(lights);

@@ -64,26 +64,29 @@ static void expect(const subject *s, uint32_t x, uint32_t y, const uint32_t *inp
     btf_ref_random(counter, random);
     float level =
         (x & 15) % 9 == 3 ? float_of_bits(random[1]) : (float)(random[1] & 0xFFF) * 0x1p-8f - 1.0f;
-    if ((x & 7) == 5)
-        for (int i = 0; i < 3; ++i)
+    if ((x & 7) == 5) {
+        for (int i = 0; i < 3; ++i) {
             random[i] = 0u - (random[i] & 1);
+        }
+    }
     uint32_t i = 0;
     if (s->kind == 1) {
         const uint32_t asked = x % (s->count + 2); /* 1 more than it is */
         i = asked == 0 ? 0 : asked > s->count ? s->count - 1 : asked - 1;
     }
-    if (s->kind == 2 && (x & 2))
+    if (s->kind == 2 && (x & 2)) {
         btf_ref_evaluate_radiance_blend_between(s->levels, s->count, &s->options, s->picks, level, f[0],
                                                 f[1], f + 2, f + 5, rgb);
-    else if (s->kind == 2)
+    } else if (s->kind == 2) {
         btf_ref_evaluate_stochastic_between(s->levels, s->count, &s->options, s->picks, level, f[0], f[1],
                                             f + 2, f + 5, random, rgb);
-    else if (x & 2)
+    } else if (x & 2) {
         btf_ref_evaluate_radiance_blend(&s->levels[i], &s->options, s->picks, f[0], f[1], f + 2, f + 5,
                                         rgb);
-    else
+    } else {
         btf_ref_evaluate_stochastic(&s->levels[i], &s->options, s->picks, f[0], f[1], f + 2, f + 5, random,
                                     rgb);
+    }
     memcpy(out, rgb, sizeof rgb);
     out[3] = 0;
 }
@@ -97,10 +100,12 @@ btf_result check_stochastic(const check_subject *of, uint64_t seed, uint64_t cou
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(of->material, &info);
     s.count = info.levels;
-    for (uint32_t level = 0; level < info.levels; ++level)
+    for (uint32_t level = 0; level < info.levels; ++level) {
         reference_view(of->material, level, &s.levels[level]);
-    if (shader.picks == BTF_PICK_NONE)
+    }
+    if (shader.picks == BTF_PICK_NONE) {
         shader.picks = (btf_picks)(1 + seed / 3 % 3);
+    }
     s.picks = (int)shader.picks;
     s.kind = info.levels > 1 ? 1 + (int)(seed % 2) : seed % 8 == 0 ? 2 : 0;
     s.options = variant_reference_options(&shader);
@@ -108,8 +113,9 @@ btf_result check_stochastic(const check_subject *of, uint64_t seed, uint64_t cou
     char text[sizeof body + 100];
     snprintf(text, sizeof text, "#define CHECK_SEED %uu\n#define CHECK_KIND %d\n%s", s.seed, s.kind, body);
     btf_result result = check_begin(&altered, text, &session);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     random_state r = {seed};
     const uint64_t batch = (uint64_t)GPU_SIDE * GPU_SIDE;
     for (uint64_t first = 0; first < count && result == BTF_OK; first += batch) {

@@ -38,10 +38,12 @@ static bool write_all(int fd, const void *data, size_t size) {
     const char *p = data;
     while (size > 0) {
         ssize_t n = write(fd, p, size);
-        if (n < 0 && errno == EINTR)
+        if (n < 0 && errno == EINTR) {
             continue;
-        if (n <= 0)
+        }
+        if (n <= 0) {
             return false;
+        }
         p += n;
         size -= (size_t)n;
     }
@@ -52,10 +54,12 @@ static bool read_all(int fd, void *data, size_t size) {
     char *p = data;
     while (size > 0) {
         ssize_t n = read(fd, p, size);
-        if (n < 0 && errno == EINTR)
+        if (n < 0 && errno == EINTR) {
             continue;
-        if (n <= 0)
+        }
+        if (n <= 0) {
             return false;
+        }
         p += n;
         size -= (size_t)n;
     }
@@ -70,10 +74,12 @@ typedef struct listener {
 
 static void listen(void *user, btf_log_level level, const char *message) {
     listener *l = user;
-    if (level == BTF_LOG_ERROR)
+    if (level == BTF_LOG_ERROR) {
         snprintf(l->last, sizeof l->last, "%s", message);
-    if (l->next && l->next->callback && level != BTF_LOG_ERROR)
+    }
+    if (l->next && l->next->callback && level != BTF_LOG_ERROR) {
         l->next->callback(l->next->user, level, message);
+    }
 }
 
 typedef struct runner {
@@ -91,13 +97,15 @@ static bool is_waived(const runner *r, conform_case *c) {
     const char *waiver = r->options->waiver;
     const char *second = waiver ? strchr(waiver, ':') : NULL,
                *third = second ? strchr(second + 1, ':') : NULL;
-    if (!third)
+    if (!third) {
         return false;
+    }
     char name[200], renderer[200];
     snprintf(name, sizeof name, "%.*s", (int)(second - waiver), waiver);
     snprintf(renderer, sizeof renderer, "%.*s", (int)(third - second - 1), second + 1);
-    if (!strstr(c->name, name) || !strstr(gpu_name(r->gpu), renderer))
+    if (!strstr(c->name, name) || !strstr(gpu_name(r->gpu), renderer)) {
         return false;
+    }
     snprintf(c->reason, sizeof c->reason, "%s", third + 1);
     return true;
 }
@@ -116,16 +124,18 @@ static void finish(runner *r, conform_case *c, btf_result result, double started
     } else if (c->outcome.different > 0) {
         c->verdict = is_waived(r, c) ? CONFORM_WAIVED : CONFORM_FAIL;
     }
-    if (!write_all(r->fd, c, sizeof *c))
+    if (!write_all(r->fd, c, sizeof *c)) {
         _exit(1);
+    }
 }
 
 /* A decoder that takes the row's shift for the column's. */
 static const char *swap_shift(char *library) {
     static const char right[] = "btf_wrap(x.x, btf_shift_of(codes.y)";
     char *at = strstr(library, right);
-    if (at)
+    if (at) {
         *strchr(at + sizeof "btf_wrap(x.x, btf_shift_of(codes" - 1, 'y') = 'z';
+    }
     return library;
 }
 
@@ -163,8 +173,9 @@ static void run_variant(runner *r, const btf_material *material, const btf_shade
         uint64_t count = (kind ? o->count : o->steps) / divide;
         if (count == 0 || (kind == 2 && seed % 3 != 0) || (kind == 3 && seed % 3 == 0) ||
             (kind == 4 && seed % 3 != 1) ||
-            (kind == 5 && seed % 4 != 2)) /* each for some of the variants: compiling takes longest */
+            (kind == 5 && seed % 4 != 2)) { /* each for some of the variants: compiling takes longest */
             continue;
+        }
         conform_case c = {.seed = seed};
         snprintf(c.name, sizeof c.name, "%s %s", kinds[kind], name);
         char label[160];
@@ -190,8 +201,9 @@ static void run_variant(runner *r, const btf_material *material, const btf_shade
 
 static void run_fast(runner *r, const btf_material *material, btf_shader_options shader, const char *name,
                      uint64_t seed, uint64_t count) {
-    if (beyond_device(r, material))
+    if (beyond_device(r, material)) {
         return;
+    }
     conform_case c = {.seed = seed, .is_fast = true};
     snprintf(c.name, sizeof c.name, "fast math %s", name);
     shader.math = BTF_MATH_FAST;
@@ -199,8 +211,9 @@ static void run_fast(runner *r, const btf_material *material, btf_shader_options
     r->listener.last[0] = 0;
     double started = now();
     btf_result result = check_fast_math(&subject, seed, count, &c.fast);
-    if (c.fast.evaluated)
+    if (c.fast.evaluated) {
         c.fast.mean_relative /= 3.0 * (double)c.fast.evaluated;
+    }
     finish(r, &c, result, started);
 }
 
@@ -210,8 +223,9 @@ static void run_synthetic(runner *r, uint64_t divide) {
     size_t count = variant_pairwise(o->seed, list);
     for (size_t i = 0; i < count; ++i) {
         const int beyond = (int)i - o->first;
-        if (beyond < 0 || (o->stride ? beyond % o->stride : beyond) != 0)
+        if (beyond < 0 || (o->stride ? beyond % o->stride : beyond) != 0) {
             continue;
+        }
         variant *v = &list[i];
         btf_material *material = NULL;
         r->listener.last[0] = 0;
@@ -226,8 +240,9 @@ static void run_synthetic(runner *r, uint64_t divide) {
         }
         v->shader.have_precise = r->device->enable_gpu_shader5;
         run_variant(r, material, &v->shader, name, v->spec.seed, divide);
-        if (o->fast && v->spec.values == SYNTHETIC_PLAUSIBLE)
+        if (o->fast && v->spec.values == SYNTHETIC_PLAUSIBLE) {
             run_fast(r, material, v->shader, name, v->spec.seed, o->count / divide);
+        }
         btf_material_close(&material);
     }
 }
@@ -271,8 +286,9 @@ static void run_files(runner *r, uint64_t divide) {
                      shader.components, shader.interpolation ? "nearest" : "linear",
                      filter_name(shader.filter));
             run_variant(r, material, &shader, name, r->options->seed + i, divide);
-            if (r->options->fast)
+            if (r->options->fast) {
                 run_fast(r, material, shader, name, r->options->seed + i, r->options->count / divide);
+            }
         }
         btf_material_close(&material);
     }
@@ -295,7 +311,8 @@ static void run_child(const context_device *device, const conform_options *optio
     if (btf_gl_self_test(&gl, &r.log, &h.self_test) != BTF_OK) {
         h.verdict = CONFORM_NOT_SUPPORTED;
         snprintf(h.reason, sizeof h.reason, "%s", r.listener.last);
-    } else if (h.self_test & ~(uint32_t)(BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS | BTF_SELF_TEST_LISTS)) {
+    } else if (h.self_test &
+               ~(uint32_t)(BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS | BTF_SELF_TEST_LISTS)) {
         char names[120];
         btf_self_test_names(h.self_test, names, sizeof names);
         h.verdict = CONFORM_NOT_SUPPORTED;
@@ -305,10 +322,11 @@ static void run_child(const context_device *device, const conform_options *optio
     if (write_all(fd, &h, sizeof h) && h.verdict == CONFORM_PASS) {
         uint64_t divide =
             device->gallium_driver && strcmp(device->gallium_driver, "softpipe") == 0 ? 20 : 1;
-        if (options->file_count > 0)
+        if (options->file_count > 0) {
             run_files(&r, divide);
-        else
+        } else {
             run_synthetic(&r, divide);
+        }
     }
     gpu_destroy(&r.gpu);
     close(fd);
@@ -321,14 +339,16 @@ static btf_result collect(int fd, conform_device *out) {
         if (out->case_count == out->case_capacity) {
             size_t capacity = 2 * out->case_capacity + 64;
             conform_case *grown = realloc(out->cases, capacity * sizeof *grown);
-            if (!grown)
+            if (!grown) {
                 return BTF_ERROR_MEMORY;
+            }
             out->cases = grown;
             out->case_capacity = capacity;
         }
         out->cases[out->case_count++] = c;
-        if (c.verdict == CONFORM_FAIL)
+        if (c.verdict == CONFORM_FAIL) {
             out->verdict = CONFORM_FAIL;
+        }
     }
     return BTF_OK;
 }
@@ -338,8 +358,9 @@ btf_result conform_run(const context_device *device, const conform_options *opti
     out->device = device;
     double started = now();
     int ends[2];
-    if (pipe(ends) != 0)
+    if (pipe(ends) != 0) {
         return BTF_ERROR_INTERNAL;
+    }
     fflush(NULL);
     pid_t child = fork();
     if (child < 0) {
@@ -364,15 +385,17 @@ btf_result conform_run(const context_device *device, const conform_options *opti
     }
     close(ends[0]);
     int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR)
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
         continue;
+    }
     if (!answered || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
         out->verdict = CONFORM_FAIL;
-        if (WIFSIGNALED(status))
+        if (WIFSIGNALED(status)) {
             snprintf(out->reason, sizeof out->reason, "the process ended by signal %d", WTERMSIG(status));
-        else
+        } else {
             snprintf(out->reason, sizeof out->reason, "the process ended with code %d",
                      WEXITSTATUS(status));
+        }
     }
     out->seconds = now() - started;
     return result;

@@ -50,8 +50,9 @@ static GLuint make_texture(gpu *g, int width, int height) {
 gpu *gpu_create(const context_device *device, char *why, size_t why_size) {
     gpu *g = calloc(1, sizeof *g);
     size_t elements = (size_t)GPU_SIDE * GPU_SIDE;
-    if (g)
+    if (g) {
         g->padded = calloc(elements * (GPU_INPUTS + GPU_OUTPUTS), sizeof *g->padded);
+    }
     if (!g || !g->padded) {
         snprintf(why, why_size, "out of memory");
         free(g);
@@ -100,8 +101,9 @@ const char gpu_evaluate_body[] =
     "}\n";
 
 void gpu_destroy(gpu **g) {
-    if (!g || !*g)
+    if (!g || !*g) {
         return;
+    }
     context_destroy(&(*g)->context); /* and all that lives in it */
     free((*g)->padded);
     free(*g);
@@ -171,8 +173,9 @@ btf_result gpu_run(gpu *g, unsigned program, size_t count, const uint32_t *input
     if (error != GL_NO_ERROR) {
         char message[80];
         snprintf(message, sizeof message, "GL: error 0x%04x while drawing", error);
-        if (log && log->callback)
+        if (log && log->callback) {
             log->callback(log->user, BTF_LOG_ERROR, message);
+        }
         return BTF_ERROR_INTERNAL;
     }
     return BTF_OK;
@@ -184,8 +187,9 @@ btf_result gpu_draw(gpu *g, unsigned program, int side, int repeats) {
     g->api.UseProgram(program);
     g->api.Uniform1i(g->api.GetUniformLocation(program, "check_inputs"), 0);
     g->api.Viewport(0, 0, side, side);
-    for (int i = 0; i < repeats; ++i)
+    for (int i = 0; i < repeats; ++i) {
         g->api.DrawArrays(GL_TRIANGLES, 0, 3);
+    }
     g->api.Finish();
     return g->api.GetError() == GL_NO_ERROR ? BTF_OK : BTF_ERROR_INTERNAL;
 }

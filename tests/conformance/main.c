@@ -26,8 +26,9 @@ static const char *parse_part(const char *text, void *value) {
     const char *end = NULL;
     if (!cli_parse_int(text, "/", &arguments.part.number, &end) || *end != '/' ||
         !cli_parse_int(end + 1, "", &arguments.part.count, NULL) || arguments.part.number < 1 ||
-        arguments.part.number > arguments.part.count)
+        arguments.part.number > arguments.part.count) {
         return "K/N, with K from 1 to N";
+    }
     return NULL;
 }
 
@@ -124,9 +125,11 @@ static const cli_program program = {
 /* Is a name in a comma-separated list? */
 static bool in_list(const char *list, const char *name) {
     size_t length = strlen(name);
-    for (const char *p = list; p; p = strchr(p, ',') ? strchr(p, ',') + 1 : NULL)
-        if (strncmp(p, name, length) == 0 && (p[length] == ',' || p[length] == 0))
+    for (const char *p = list; p; p = strchr(p, ',') ? strchr(p, ',') + 1 : NULL) {
+        if (strncmp(p, name, length) == 0 && (p[length] == ',' || p[length] == 0)) {
             return true;
+        }
+    }
     return false;
 }
 
@@ -136,8 +139,9 @@ static bool check_list(const char *list) {
     for (const char *p = list; p; p = strchr(p, ',') ? strchr(p, ',') + 1 : NULL) {
         snprintf(word, sizeof word, "%.*s", (int)strcspn(p, ","), p);
         bool known = strcmp(word, "all") == 0;
-        for (const context_device *d = context_devices; d->name; ++d)
+        for (const context_device *d = context_devices; d->name; ++d) {
             known = known || strcmp(d->name, word) == 0;
+        }
         if (!known) {
             cli_error(&program, BTF_ERROR_USAGE, "--device: \"%s\" is unknown, expected a name of --list",
                       word);
@@ -153,14 +157,17 @@ static void print_failure(const conform_case *c) {
            (unsigned long long)o->different, (unsigned long long)o->evaluated, o->step,
            (unsigned long long)o->index, (unsigned long long)c->seed);
     printf("      inputs   ");
-    for (int i = 0; i < GPU_INPUTS; ++i)
+    for (int i = 0; i < GPU_INPUTS; ++i) {
         printf(" %08x", o->inputs[i]);
+    }
     printf("\n      reference");
-    for (int i = 0; i < GPU_OUTPUTS; ++i)
+    for (int i = 0; i < GPU_OUTPUTS; ++i) {
         printf(" %08x", o->expected[i]);
+    }
     printf("\n      gpu      ");
-    for (int i = 0; i < GPU_OUTPUTS; ++i)
+    for (int i = 0; i < GPU_OUTPUTS; ++i) {
         printf(" %08x", o->actual[i]);
+    }
     printf("\n");
 }
 
@@ -182,18 +189,21 @@ static void print_device(const conform_device *d) {
     }
     printf("%-20s %s%s%s\n", d->device->name, conform_verdict_name(d->verdict), d->reason[0] ? ": " : "",
            d->reason);
-    if (d->renderer[0])
+    if (d->renderer[0]) {
         printf("    %s, #version %s: %zu cases, %llu evaluations, %llu differ, %.1f s\n", d->renderer,
                d->device->glsl, d->case_count, (unsigned long long)evaluated, (unsigned long long)different,
                d->seconds);
+    }
     for (size_t i = 0; i < d->case_count; ++i) {
         const conform_case *c = &d->cases[i];
-        if (c->verdict == CONFORM_FAIL && c->outcome.different > 0)
+        if (c->verdict == CONFORM_FAIL && c->outcome.different > 0) {
             print_failure(c);
-        else if (c->is_fast && (!arguments.quiet || c->verdict != CONFORM_PASS))
+        } else if (c->is_fast && (!arguments.quiet || c->verdict != CONFORM_PASS)) {
             print_fast(c);
-        if (c->reason[0])
+        }
+        if (c->reason[0]) {
             printf("    %s: %s: %s\n", c->name, conform_verdict_name(c->verdict), c->reason);
+        }
     }
 }
 
@@ -211,8 +221,9 @@ static void json_case(json *j, const conform_case *c) {
     json_object(j, NULL);
     json_string(j, "name", c->name);
     json_string(j, "verdict", conform_verdict_name(c->verdict));
-    if (c->reason[0])
+    if (c->reason[0]) {
         json_string(j, "reason", c->reason);
+    }
     json_integer(j, "seed", (int64_t)c->seed);
     if (c->is_fast) {
         json_integer(j, "evaluated", (int64_t)c->fast.evaluated);
@@ -221,8 +232,9 @@ static void json_case(json *j, const conform_case *c) {
         json_number(j, "absolute_error_worst", c->fast.worst_absolute);
         json_integer(j, "beyond_bound", (int64_t)c->fast.beyond);
         json_array(j, "ulp_bins"); /* 0, 1, 2..3, 4..7, ... */
-        for (int i = 0; i < 34; ++i)
+        for (int i = 0; i < 34; ++i) {
             json_integer(j, NULL, (int64_t)c->fast.ulp_counts[i]);
+        }
         json_end(j);
     } else {
         json_integer(j, "evaluated", (int64_t)c->outcome.evaluated);
@@ -245,15 +257,17 @@ static void json_device(json *j, const conform_device *d) {
     json_object(j, NULL);
     json_string(j, "name", d->device->name);
     json_string(j, "verdict", conform_verdict_name(d->verdict));
-    if (d->reason[0])
+    if (d->reason[0]) {
         json_string(j, "reason", d->reason);
+    }
     json_string(j, "renderer", d->renderer);
     json_string(j, "glsl", d->device->glsl);
     json_string(j, "self_test", names);
     json_number(j, "seconds", d->seconds);
     json_array(j, "cases");
-    for (size_t i = 0; i < d->case_count; ++i)
+    for (size_t i = 0; i < d->case_count; ++i) {
         json_case(j, &d->cases[i]);
+    }
     json_end(j);
     json_end(j);
 }
@@ -277,8 +291,9 @@ static btf_result run(const cli_arguments *files) {
         btf_material *material = NULL;
         btf_result result = btf_material_open(files->values[i], &log, &material);
         btf_material_close(&material);
-        if (result != BTF_OK)
+        if (result != BTF_OK) {
             return result;
+        }
     }
     json j = {0};
     json_object(&j, NULL);
@@ -287,8 +302,9 @@ static btf_result run(const cli_arguments *files) {
     bool checked = false, failed = false;
     uint64_t evaluated = 0, different = 0;
     for (const context_device *d = context_devices; d->name && result == BTF_OK; ++d) {
-        if (!in_list(arguments.device, d->name) && !in_list(arguments.device, "all"))
+        if (!in_list(arguments.device, d->name) && !in_list(arguments.device, "all")) {
             continue;
+        }
         conform_device outcome;
         result = conform_run(d, &o, &outcome);
         checked = checked || outcome.verdict == CONFORM_PASS || outcome.verdict == CONFORM_FAIL;
@@ -297,10 +313,11 @@ static btf_result run(const cli_arguments *files) {
             evaluated += outcome.cases[i].outcome.evaluated;
             different += outcome.cases[i].outcome.different;
         }
-        if (arguments.json)
+        if (arguments.json) {
             json_device(&j, &outcome);
-        else
+        } else {
             print_device(&outcome);
+        }
         free(outcome.cases);
         fflush(stdout);
     }
@@ -310,39 +327,46 @@ static btf_result run(const cli_arguments *files) {
     json_integer(&j, "different", (int64_t)different);
     json_string(&j, "verdict", verdict);
     json_end(&j);
-    if (arguments.json && json_text(&j))
+    if (arguments.json && json_text(&j)) {
         fputs(json_text(&j), stdout);
-    else if (!arguments.json)
+    } else if (!arguments.json) {
         printf("%s: %llu evaluations, %llu differ\n", verdict, (unsigned long long)evaluated,
                (unsigned long long)different);
+    }
     json_free(&j);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return cli_error(&program, result, "%s", btf_result_text(result));
+    }
     return failed ? BTF_ERROR_DIFFERENT : checked ? BTF_OK : BTF_ERROR_UNSUPPORTED;
 }
 
 int main(int argc, char **argv) {
     cli_arguments files;
     int exit_code;
-    if (!cli_parse(&program, argc, argv, &files, &exit_code))
+    if (!cli_parse(&program, argc, argv, &files, &exit_code)) {
         return exit_code;
+    }
     if (arguments.list) {
-        for (const context_device *d = context_devices; d->name; ++d)
+        for (const context_device *d = context_devices; d->name; ++d) {
             printf("%-20s %s, OpenGL %s%d.%d, #version %s%s\n", d->name, d->provider->name,
                    d->request.es ? "ES " : "", d->request.major, d->request.minor, d->glsl,
                    d->enable_gpu_shader5 ? ", GL_ARB_gpu_shader5" : "");
+        }
         return cli_finish(&program, BTF_OK);
     }
-    if (!check_list(arguments.device))
+    if (!check_list(arguments.device)) {
         return cli_finish(&program, BTF_ERROR_USAGE);
-    if (arguments.part_given && (arguments.variant_given || files.count > 0))
+    }
+    if (arguments.part_given && (arguments.variant_given || files.count > 0)) {
         return cli_finish(&program, cli_error(&program, BTF_ERROR_USAGE, "--part: not with %s",
                                               arguments.variant_given ? "--variant" : "a FILE"));
+    }
     const char *colon = arguments.waive ? strchr(arguments.waive, ':') : NULL;
-    if (arguments.waive && (!colon || !strchr(colon + 1, ':')))
+    if (arguments.waive && (!colon || !strchr(colon + 1, ':'))) {
         return cli_finish(&program,
                           cli_error(&program, BTF_ERROR_USAGE,
                                     "--waive: \"%s\" is not CASE:RENDERER:REASON", arguments.waive));
+    }
     if (arguments.vectors) {
         btf_log log = cli_log(&program, arguments.quiet);
         return cli_finish(&program, vectors_write(arguments.vectors, (uint64_t)arguments.seed, &log));

@@ -15,13 +15,16 @@ typedef struct coverage {
 /* How many pairs a row would add; marks them when `mark`. */
 static int new_pairs(coverage *c, size_t factors, const uint8_t *row, int mark) {
     int count = 0;
-    for (size_t f = 0; f < factors; ++f)
-        for (size_t g = f + 1; g < factors; ++g)
+    for (size_t f = 0; f < factors; ++f) {
+        for (size_t g = f + 1; g < factors; ++g) {
             if (!c->met[f][g][row[f]][row[g]]) {
                 ++count;
-                if (mark)
+                if (mark) {
                     c->met[f][g][row[f]][row[g]] = 1;
+                }
             }
+        }
+    }
     return count;
 }
 
@@ -32,16 +35,19 @@ size_t pairwise_rows(uint64_t seed, size_t factors, const uint8_t *levels, size_
     memset(&covered, 0, sizeof covered);
     random_state r = {seed};
     int missing = 0;
-    for (size_t f = 0; f < factors; ++f)
-        for (size_t g = f + 1; g < factors; ++g)
+    for (size_t f = 0; f < factors; ++f) {
+        for (size_t g = f + 1; g < factors; ++g) {
             missing += levels[f] * levels[g];
+        }
+    }
     size_t count = 0;
     for (; missing > 0 && count < most; ++count) {
         int best = 0;
         for (int t = 0; t < TRIES || best == 0; ++t) {
             uint8_t row[PAIRWISE_FACTORS] = {0};
-            for (size_t f = 0; f < factors; ++f)
+            for (size_t f = 0; f < factors; ++f) {
                 row[f] = (uint8_t)random_below(&r, levels[f]);
+            }
             int pairs = new_pairs(&covered, factors, row, 0);
             if (pairs > best) {
                 best = pairs;
@@ -73,17 +79,22 @@ static int set_level(const fourwise *c, partial *row, size_t factor, uint8_t lev
     uint8_t allowed[PAIRWISE_FACTORS];
     memcpy(allowed, row->allowed, sizeof allowed);
     allowed[factor] &= (uint8_t)(1u << level);
-    for (size_t n = 0; n < c->need_count && level > 0; ++n)
-        if (c->needs[n].factor == factor)
+    for (size_t n = 0; n < c->need_count && level > 0; ++n) {
+        if (c->needs[n].factor == factor) {
             allowed[c->needs[n].other] &= c->needs[n].allowed;
-    for (size_t f = 0; f < c->factors; ++f)
-        if (!allowed[f])
+        }
+    }
+    for (size_t f = 0; f < c->factors; ++f) {
+        if (!allowed[f]) {
             return 0;
+        }
+    }
     memcpy(row->allowed, allowed, sizeof allowed);
     row->level[factor] = level;
     size_t at = row->count++;
-    for (; at > 0 && row->set[at - 1] > factor; --at)
+    for (; at > 0 && row->set[at - 1] > factor; --at) {
         row->set[at] = row->set[at - 1];
+    }
     row->set[at] = (uint8_t)factor;
     return 1;
 }
@@ -99,18 +110,21 @@ static int new_fours(const fourwise *c, const partial *row, size_t with, int mar
     int count = 0;
     const size_t n = row->count;
     const uint8_t *set = row->set;
-    for (size_t f = 0; f < n; ++f)
-        for (size_t g = f + 1; g < n; ++g)
+    for (size_t f = 0; f < n; ++f) {
+        for (size_t g = f + 1; g < n; ++g) {
             for (size_t h = g + 1; h < n; ++h) {
                 const int among = with >= c->factors || set[f] == with || set[g] == with || set[h] == with;
                 for (size_t i = h + 1; i < n; ++i) {
-                    if (!among && set[i] != with)
+                    if (!among && set[i] != with) {
                         continue;
+                    }
                     uint8_t *met = met_of(c, row->level, set[f], set[g], set[h], set[i]);
                     count += !*met;
                     *met |= (uint8_t)mark;
                 }
             }
+        }
+    }
     return count;
 }
 
@@ -124,15 +138,17 @@ static void fill(const fourwise *c, random_state *r, partial *row) {
     }
     for (size_t k = 0; k < c->factors; ++k) {
         const uint8_t factor = order[k];
-        if (memchr(row->set, factor, row->count))
+        if (memchr(row->set, factor, row->count)) {
             continue;
+        }
         partial best = *row;
         int most = -1;
         const uint32_t turn = random_below(r, c->levels[factor]);
         for (uint32_t l = 0; l < c->levels[factor]; ++l) {
             partial next = *row;
-            if (!set_level(c, &next, factor, (uint8_t)((l + turn) % c->levels[factor])))
+            if (!set_level(c, &next, factor, (uint8_t)((l + turn) % c->levels[factor]))) {
                 continue;
+            }
             const int fours = new_fours(c, &next, factor, 0);
             if (fours > most) {
                 most = fours;
@@ -145,8 +161,9 @@ static void fill(const fourwise *c, random_state *r, partial *row) {
 
 static partial empty_row(const fourwise *c) {
     partial row = {.count = 0};
-    for (size_t f = 0; f < c->factors; ++f)
+    for (size_t f = 0; f < c->factors; ++f) {
         row.allowed[f] = (uint8_t)((1u << c->levels[f]) - 1);
+    }
     return row;
 }
 
@@ -156,8 +173,9 @@ static size_t rows_of_four(const fourwise *c, random_state *r, const size_t of[4
     size_t count = 0;
     uint8_t level[PAIRWISE_FACTORS] = {0};
     uint32_t all = 1;
-    for (int k = 0; k < 4; ++k)
+    for (int k = 0; k < 4; ++k) {
         all *= c->levels[of[k]];
+    }
     for (uint32_t four = 0; four < all; ++four) {
         partial row = empty_row(c);
         int possible = 1;
@@ -167,10 +185,12 @@ static size_t rows_of_four(const fourwise *c, random_state *r, const size_t of[4
             rest /= c->levels[of[k]];
             possible = possible && set_level(c, &row, of[k], level[of[k]]);
         }
-        if (!possible || *met_of(c, level, of[0], of[1], of[2], of[3]))
+        if (!possible || *met_of(c, level, of[0], of[1], of[2], of[3])) {
             continue;
-        if (count == most)
+        }
+        if (count == most) {
             return most;
+        }
         fill(c, r, &row);
         new_fours(c, &row, c->factors, 1);
         memcpy(rows[count++], row.level, sizeof row.level);
@@ -184,22 +204,30 @@ size_t fourwise_rows(uint64_t seed, size_t factors, const uint8_t *levels, const
     c = (fourwise){.factors = factors, .need_count = need_count, .levels = levels, .needs = needs};
     uint32_t fours = 0;
     size_t of[4], count = 0;
-    for (of[0] = 0; of[0] < factors; ++of[0])
-        for (of[1] = of[0] + 1; of[1] < factors; ++of[1])
-            for (of[2] = of[1] + 1; of[2] < factors; ++of[2])
+    for (of[0] = 0; of[0] < factors; ++of[0]) {
+        for (of[1] = of[0] + 1; of[1] < factors; ++of[1]) {
+            for (of[2] = of[1] + 1; of[2] < factors; ++of[2]) {
                 for (of[3] = of[2] + 1; of[3] < factors; ++of[3]) {
                     c.first[of[0]][of[1]][of[2]][of[3]] = fours;
                     fours += (uint32_t)levels[of[0]] * levels[of[1]] * levels[of[2]] * levels[of[3]];
                 }
+            }
+        }
+    }
     c.met = calloc(fours, 1);
-    if (!c.met)
+    if (!c.met) {
         return 0;
+    }
     random_state r = {seed};
-    for (of[0] = 0; of[0] < factors; ++of[0])
-        for (of[1] = of[0] + 1; of[1] < factors; ++of[1])
-            for (of[2] = of[1] + 1; of[2] < factors; ++of[2])
-                for (of[3] = of[2] + 1; of[3] < factors; ++of[3])
+    for (of[0] = 0; of[0] < factors; ++of[0]) {
+        for (of[1] = of[0] + 1; of[1] < factors; ++of[1]) {
+            for (of[2] = of[1] + 1; of[2] < factors; ++of[2]) {
+                for (of[3] = of[2] + 1; of[3] < factors; ++of[3]) {
                     count += rows_of_four(&c, &r, of, most - count, rows + count);
+                }
+            }
+        }
+    }
     free(c.met);
     return count;
 }

@@ -15,8 +15,9 @@ static void make_rings(uint32_t count, float (*xyz)[3]) {
     uint32_t made = 0;
     for (int ring = 0; made < count; ++ring) {
         uint32_t azimuths = ring == 0 ? 1 : (uint32_t)(6 * ring);
-        if (azimuths > count - made)
+        if (azimuths > count - made) {
             azimuths = count - made;
+        }
         double theta = fmin(12.5 * ring, 89.0 - 40.0 / (ring + 1)) * M_PI / 180;
         for (uint32_t i = 0; i < azimuths; ++i) {
             double phi = 2 * M_PI * i / azimuths;
@@ -33,8 +34,9 @@ typedef struct polar {
 
 static int compare_polar(const void *a, const void *b) {
     const polar *p = a, *q = b;
-    if (p->theta != q->theta)
+    if (p->theta != q->theta) {
         return p->theta < q->theta ? -1 : 1;
+    }
     return p->phi < q->phi ? -1 : p->phi > q->phi;
 }
 
@@ -45,10 +47,11 @@ static void make_directions(random_state *r, synthetic_directions kind, uint32_t
         return;
     }
     for (uint32_t i = 0; i < count; ++i) {
-        if (kind == SYNTHETIC_COLLINEAR)
+        if (kind == SYNTHETIC_COLLINEAR) {
             list[i] = (polar){count == 1 ? 20.0 : 80.0 * i / count, 30.0};
-        else
+        } else {
             list[i] = (polar){random_between(r, 0, 89), random_between(r, 0, 360)};
+        }
     }
     qsort(list, count, sizeof *list, compare_polar);
     for (uint32_t i = 0; i < count; ++i) {
@@ -61,8 +64,9 @@ static void make_directions(random_state *r, synthetic_directions kind, uint32_t
 
 /* 0, or of magnitude 2^-24 .. 2^24 with any sign and mantissa. */
 static float extreme_float(random_state *r, int positive) {
-    if (!positive && random_below(r, 8) == 0)
+    if (!positive && random_below(r, 8) == 0) {
         return 0.0f;
+    }
     uint32_t exponent = 127 - 24 + random_below(r, 48);
     uint32_t mantissa = random_below(r, 4) ? random_below(r, 1u << 23) : 0;
     return float_of_bits((positive ? 0u : random_below(r, 2) << 31) | exponent << 23 | mantissa);
@@ -77,8 +81,9 @@ static float plausible_float(random_state *r, double from, double to) {
  * zero. */
 static uint16_t half_of_float(float x) {
     double magnitude = fmin(fabs((double)x), 65504.0);
-    if (magnitude < 0x1p-14)
+    if (magnitude < 0x1p-14) {
         return 0;
+    }
     int exponent;
     frexp(magnitude, &exponent);
     uint32_t steps = (uint32_t)nearbyint(ldexp(magnitude, 11 - exponent)); /* of 2^(exponent - 11) */
@@ -93,33 +98,39 @@ static uint16_t half_of_float(float x) {
  * colour? */
 static char parameter_kind(const synthetic_spec *s, uint32_t layer, uint32_t component) {
     uint32_t colour_layers = s->colour == BTF_COLOUR_MONO ? 1 : (3 + 3 * s->lobes + 3) / 4;
-    if (layer >= colour_layers)
+    if (layer >= colour_layers) {
         return component == 3 ? 'n' : 'C';
-    if (s->colour == BTF_COLOUR_RGB && 4 * layer + component >= 3 + 3 * s->lobes)
+    }
+    if (s->colour == BTF_COLOUR_RGB && 4 * layer + component >= 3 + 3 * s->lobes) {
         return 0;
+    }
     return 'c';
 }
 
 static void fill_sbrdf(random_state *r, const synthetic_spec *s, const btf_texture *t, void *data) {
     size_t i = 0;
-    for (uint32_t layer = 0; layer < t->layers; ++layer)
-        for (size_t texel = 0; texel < (size_t)t->width * t->height; ++texel)
+    for (uint32_t layer = 0; layer < t->layers; ++layer) {
+        for (size_t texel = 0; texel < (size_t)t->width * t->height; ++texel) {
             for (uint32_t c = 0; c < 4; ++c, ++i) {
                 char kind = parameter_kind(s, layer, c);
                 float x = 0;
-                if (kind && s->values == SYNTHETIC_EXTREME)
+                if (kind && s->values == SYNTHETIC_EXTREME) {
                     x = extreme_float(r, 0);
-                else if (kind == 'c')
+                } else if (kind == 'c') {
                     x = plausible_float(r, 0, 1);
-                else if (kind == 'C')
+                } else if (kind == 'C') {
                     x = plausible_float(r, -1.5, 1.5);
-                else if (kind == 'n')
+                } else if (kind == 'n') {
                     x = (float)exp2(random_between(r, -1, 7));
-                if (s->half_float)
+                }
+                if (s->half_float) {
                     ((uint16_t *)data)[i] = half_of_float(x);
-                else
+                } else {
                     ((float *)data)[i] = x;
+                }
             }
+        }
+    }
 }
 
 /* Gain code and shift bytes of one texel and view. */
@@ -133,8 +144,9 @@ static void make_point(random_state *r, const synthetic_spec *s, uint32_t centre
         out[2] = (uint8_t)(centre >> 8);
         return;
     }
-    if (s->effects & BTF_EFFECT_GAIN)
+    if (s->effects & BTF_EFFECT_GAIN) {
         out[0] = (uint8_t)(1 + random_below(r, 255));
+    }
     if (s->effects & BTF_EFFECT_SHIFT) {
         out[1] = (uint8_t)random_bits(r);
         out[2] = (uint8_t)random_bits(r);
@@ -143,28 +155,35 @@ static void make_point(random_state *r, const synthetic_spec *s, uint32_t centre
 
 static void fill_maps(random_state *r, const synthetic_spec *s, const btf_material_info *info,
                       uint8_t *data) {
-    if (!data) /* none of the effects that it holds */
+    if (!data) { /* none of the effects that it holds */
         return;
+    }
     uint32_t tiles = info->n_views > info->n_lights ? info->n_views : info->n_lights;
     uint32_t columns = info->atlas_width / info->width;
-    for (uint32_t tile = 0; tile < tiles; ++tile)
-        for (uint32_t y = 0; y < info->height; ++y)
+    for (uint32_t tile = 0; tile < tiles; ++tile) {
+        for (uint32_t y = 0; y < info->height; ++y) {
             for (uint32_t x = 0; x < info->width; ++x) {
                 size_t column = (size_t)(tile % columns) * info->width + x;
                 size_t row = (size_t)(tile / columns) * info->height + y;
                 uint8_t *texel = data + 4 * (row * info->atlas_width + column);
-                if (tile < info->n_lights && (s->effects & BTF_EFFECT_SHADOW))
+                if (tile < info->n_lights && (s->effects & BTF_EFFECT_SHADOW)) {
                     texel[0] = (uint8_t)random_bits(r);
-                if (tile < info->n_views)
+                }
+                if (tile < info->n_views) {
                     make_point(r, s, info->centres, texel + 1);
+                }
             }
+        }
+    }
     for (uint32_t i = 0; i < info->centres; ++i) {
         uint32_t x, y;
         btf_material_atlas_centre(info, i, &x, &y);
-        for (uint32_t light = 0; light < info->n_lights; ++light)
-            for (int c = 0; c < 3; ++c)
+        for (uint32_t light = 0; light < info->n_lights; ++light) {
+            for (int c = 0; c < 3; ++c) {
                 data[4 * ((size_t)(y + light) * info->atlas_width + x) + (size_t)c] =
                     (uint8_t)random_bits(r);
+            }
+        }
     }
 }
 
@@ -174,37 +193,46 @@ static void fill_tight(random_state *r, const synthetic_spec *s, const btf_mater
     uint8_t *shift = texture[BTF_TEXTURE_SHIFT], *gain = texture[BTF_TEXTURE_GAIN];
     uint8_t *shadow = texture[BTF_TEXTURE_SHADOW], *centres = texture[BTF_TEXTURE_CENTRES];
     uint8_t *packed = texture[BTF_TEXTURE_POINTS];
-    for (size_t i = 0; packed && i < 2 * points; ++i) /* each may be anything */
+    for (size_t i = 0; packed && i < 2 * points; ++i) { /* each may be anything */
         packed[i] = (uint8_t)random_bits(r);
+    }
     uint8_t *lists = texture[BTF_TEXTURE_POINT_LISTS], *indices = texture[BTF_TEXTURE_POINT_INDICES];
     const size_t texels = (size_t)info->width * info->height;
-    for (size_t i = 0; lists && i < 2 * texels * info->point_entries; ++i)
+    for (size_t i = 0; lists && i < 2 * texels * info->point_entries; ++i) {
         lists[i] = (uint8_t)random_bits(r);
-    for (size_t i = 0; lists && i < points; ++i)
+    }
+    for (size_t i = 0; lists && i < points; ++i) {
         indices[i / texels / 2 * texels + i % texels] |=
             (uint8_t)(random_below(r, info->point_entries) * (i / texels % 2 ? 16u : 1u));
+    }
     for (size_t i = 0; i < points; ++i) {
         uint8_t point[3];
         make_point(r, s, info->centres, point);
-        if (gain)
+        if (gain) {
             gain[i] = point[0];
+        }
         if (shift) {
             shift[2 * i] = point[1];
             shift[2 * i + 1] = point[2];
         }
     }
-    if (shadow)
-        for (size_t i = 0; i < (size_t)info->width * info->height * info->n_lights; ++i)
+    if (shadow) {
+        for (size_t i = 0; i < (size_t)info->width * info->height * info->n_lights; ++i) {
             shadow[i] = (uint8_t)random_bits(r);
-    if (!centres)
+        }
+    }
+    if (!centres) {
         return;
+    }
     btf_texture t = btf_material_texture_shape(info, BTF_TEXTURE_CENTRES);
-    for (uint32_t i = 0; i < info->centres; ++i)
-        for (uint32_t light = 0; light < info->n_lights; ++light)
+    for (uint32_t i = 0; i < info->centres; ++i) {
+        for (uint32_t light = 0; light < info->n_lights; ++light) {
             for (int c = 0; c < 3; ++c) {
                 size_t x = (size_t)(i / t.height) * info->n_lights + light;
                 centres[4 * ((size_t)(i % t.height) * t.width + x) + (size_t)c] = (uint8_t)random_bits(r);
             }
+        }
+    }
 }
 
 /* The scales too, and `residual_directions`, where the level has them. */
@@ -214,60 +242,69 @@ static void fill_residual(random_state *r, const synthetic_spec *s, const btf_ma
         btf_texture_id id = directions ? BTF_TEXTURE_RESIDUAL_DIRECTIONS : BTF_TEXTURE_RESIDUAL_TEXELS;
         btf_texture t = btf_material_texture_shape(info, id);
         int8_t *data = texture[id];
-        if (!data)
+        if (!data) {
             return;
-        for (uint32_t layer = 0; layer < t.layers; ++layer)
+        }
+        for (uint32_t layer = 0; layer < t.layers; ++layer) {
             for (size_t i = 0; i < 4 * (size_t)t.width * t.height; ++i, ++data) {
                 uint32_t component = layer / (directions ? 3 : 1) * 4 + i % 4;
                 *data = component < info->components ? (int8_t)((int)random_below(r, 255) - 127) : 0;
             }
+        }
     }
     float *scales = texture[BTF_TEXTURE_RESIDUAL_SCALES];
-    for (uint32_t i = 0; i < info->components; ++i)
+    for (uint32_t i = 0; i < info->components; ++i) {
         scales[i] = s->values == SYNTHETIC_EXTREME
                         ? extreme_float(r, 0)
                         : (float)random_between(r, 0.2, 1) * 0x1p-15f / (float)(1 + (i < 64 ? i : 64));
+    }
 }
 
 /* A word of codes: of class 0 (no byte of which may be -128) or another. */
 static uint32_t make_codes(random_state *r, const synthetic_spec *s, bool bytes) {
     const uint32_t kind = s->codes == SYNTHETIC_BOUNDS ? random_below(r, 5) : 4;
-    if (kind < 4)
+    if (kind < 4) {
         return kind < 2 ? (bytes ? 0x7F7F7F7Fu : 0xFFFFFFFFu) : bytes ? 0x81818181u : 0;
+    }
     uint32_t word = random_bits(r);
-    for (uint32_t i = 0; bytes && i < 32; i += 8)
+    for (uint32_t i = 0; bytes && i < 32; i += 8) {
         word ^= (word >> i & 255) == 128 ? 1u << i : 0;
+    }
     return word;
 }
 
 /* Two texels' words in three are alike in a texture's layer, so that units reach their bounds, not words
  * alone. */
 static void fill_codes(random_state *r, const synthetic_spec *s, const btf_texture *t, uint32_t *data) {
-    for (uint32_t layer = 0; layer < t->layers; ++layer)
+    for (uint32_t layer = 0; layer < t->layers; ++layer) {
         for (size_t i = 0; i < (size_t)t->width * t->height; ++i, data += 4) {
             const bool alike = s->codes == SYNTHETIC_BOUNDS && random_below(r, 3) > 0;
-            for (int word = 0; word < 4; ++word)
+            for (int word = 0; word < 4; ++word) {
                 data[word] = word > 0 && alike ? data[0] : make_codes(r, s, layer < s->classes[0][0]);
+            }
         }
+    }
 }
 
 /* The scales of units, at which each adds about as much as any other. */
 static void fill_factor_scales(random_state *r, const synthetic_spec *s, uint32_t units, float *data) {
     /* The root of the sum of squares of products of random levels, of a word. */
     static const double size[BTF_FACTOR_CLASSES] = {10700, 3840, 240, 83, 20};
-    for (int c = 0; c < BTF_FACTOR_CLASSES; ++c)
+    for (int c = 0; c < BTF_FACTOR_CLASSES; ++c) {
         for (uint32_t unit = 0; unit < s->classes[c][0]; ++unit, data += 4) {
             const bool mixed = c == 0 || 4 * unit < s->classes[c][1] + s->classes[c][2];
             for (int word = 0; word < 4; ++word) {
-                if (word > 0 && !mixed)
+                if (word > 0 && !mixed) {
                     data[word] = data[0];
-                else if (s->values == SYNTHETIC_EXTREME)
+                } else if (s->values == SYNTHETIC_EXTREME) {
                     data[word] = extreme_float(r, 0);
-                else
+                } else {
                     data[word] = (float)(random_between(r, 0.3, 1) * (random_below(r, 4) ? 1 : -1) /
                                          size[c] / sqrt(units));
+                }
             }
         }
+    }
 }
 
 /* Fills the factors of texels, and those that all levels share, where the level has them. */
@@ -276,22 +313,26 @@ static void fill_factors(random_state *r, const synthetic_spec *s, const btf_mat
     btf_texture t = btf_material_texture_shape(info, BTF_TEXTURE_FACTOR_TEXELS);
     fill_codes(r, s, &t, texture[BTF_TEXTURE_FACTOR_TEXELS]);
     float *views = texture[BTF_TEXTURE_FACTOR_VIEWS];
-    if (!views)
+    if (!views) {
         return;
+    }
     t = btf_material_texture_shape(info, BTF_TEXTURE_FACTOR_DIRECTIONS);
     fill_codes(r, s, &t, texture[BTF_TEXTURE_FACTOR_DIRECTIONS]);
     fill_factor_scales(r, s, info->components, texture[BTF_TEXTURE_FACTOR_SCALES]);
-    for (size_t i = 0; i < (size_t)12 * info->n_views; ++i)
+    for (size_t i = 0; i < (size_t)12 * info->n_views; ++i) {
         views[i] = i % 4 == 3                       ? 0
                    : s->values == SYNTHETIC_EXTREME ? extreme_float(r, 0)
                                                     : (float)random_between(r, 0.2, i % 4 == 0 ? 1 : 0.5);
+    }
 }
 
 static void fill_heights(random_state *r, const synthetic_spec *s, size_t texels, uint8_t *data) {
-    for (size_t i = 0; i < texels; ++i)
-        data[i] = s->relief == SYNTHETIC_EVEN                             ? 100
-                  : s->relief == SYNTHETIC_HIGH && random_below(r, 2) == 0 ? (uint8_t)(255 * random_below(r, 2))
-                                                                          : (uint8_t)random_bits(r);
+    for (size_t i = 0; i < texels; ++i) {
+        data[i] = s->relief == SYNTHETIC_EVEN ? 100
+                  : s->relief == SYNTHETIC_HIGH && random_below(r, 2) == 0
+                      ? (uint8_t)(255 * random_below(r, 2))
+                      : (uint8_t)random_bits(r);
+    }
 }
 
 static float make_scale(random_state *r, const synthetic_spec *s, float plausible) {
@@ -341,17 +382,21 @@ static btf_result make_info(random_state *r, const synthetic_spec *s, btf_materi
     uint32_t room = BTF_MAX_CENTRES;
     if (s->layout == BTF_LAYOUT_PAPER) {
         btf_result result = btf_material_atlas(info, &info->atlas_width, &info->atlas_height, &room);
-        if (result != BTF_OK)
+        if (result != BTF_OK) {
             return result;
+        }
     }
-    if (s->effects & BTF_EFFECT_HIDDEN)
+    if (s->effects & BTF_EFFECT_HIDDEN) {
         info->centres = s->centres < room ? s->centres : room;
+    }
     info->levels = 1;
     while (s->layout == BTF_LAYOUT_TIGHT && info->levels < s->levels &&
-           (s->width >> info->levels || s->height >> info->levels))
+           (s->width >> info->levels || s->height >> info->levels)) {
         info->levels++;
-    if (s->effects & BTF_EFFECT_RELIEF)
+    }
+    if (s->effects & BTF_EFFECT_RELIEF) {
         info->relief_end = s->relief_end < info->levels ? s->relief_end : info->levels;
+    }
     return BTF_OK;
 }
 
@@ -360,11 +405,13 @@ static btf_result make_level(random_state *r, const synthetic_spec *spec, const 
                              uint32_t level, void *texture[BTF_TEXTURE_COUNT]) {
     for (int id = 0; id < BTF_TEXTURE_COUNT; ++id) {
         btf_texture t = btf_material_level_shape(info, level, (btf_texture_id)id);
-        if (t.format == BTF_FORMAT_NONE)
+        if (t.format == BTF_FORMAT_NONE) {
             continue;
+        }
         texture[id] = calloc(1, t.size);
-        if (!texture[id])
+        if (!texture[id]) {
             return BTF_ERROR_MEMORY;
+        }
     }
     btf_material_info of_level = *info;
     of_level.width = btf_level_size(info->width, level);
@@ -373,26 +420,30 @@ static btf_result make_level(random_state *r, const synthetic_spec *spec, const 
         btf_texture t = btf_material_texture_shape(&of_level, BTF_TEXTURE_SBRDF);
         fill_sbrdf(r, spec, &t, texture[BTF_TEXTURE_SBRDF]);
     }
-    if (spec->layout == BTF_LAYOUT_PAPER)
+    if (spec->layout == BTF_LAYOUT_PAPER) {
         fill_maps(r, spec, &of_level, texture[BTF_TEXTURE_MAPS]);
-    else
+    } else {
         fill_tight(r, spec, &of_level, texture);
-    if (texture[BTF_TEXTURE_HEIGHTS])
+    }
+    if (texture[BTF_TEXTURE_HEIGHTS]) {
         fill_heights(r, spec, (size_t)of_level.width * of_level.height, texture[BTF_TEXTURE_HEIGHTS]);
-    if (spec->effects & BTF_EFFECT_RESIDUAL)
+    }
+    if (spec->effects & BTF_EFFECT_RESIDUAL) {
         (info->store == BTF_STORE_FACTORS ? fill_factors : fill_residual)(r, spec, &of_level, texture);
+    }
     return BTF_OK;
 }
 
 /* A picture for viewers, which no decoder may read, in every second material of version 2; NULL in others.
  */
 static uint16_t *make_preview(random_state *r, const synthetic_spec *spec, const btf_material_info *info) {
-    const bool version_2 = info->store == BTF_STORE_FACTORS || info->blend == BTF_BLEND_ROOTS || spec->packed ||
-                           info->effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS);
+    const bool version_2 = info->store == BTF_STORE_FACTORS || info->blend == BTF_BLEND_ROOTS ||
+                           spec->packed || info->effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS);
     const size_t texels = (size_t)info->width * info->height;
     uint16_t *halves = version_2 && (spec->seed & 1) ? malloc(texels * 4 * sizeof *halves) : NULL;
-    for (size_t i = 0; halves && i < 4 * texels; ++i)
+    for (size_t i = 0; halves && i < 4 * texels; ++i) {
         halves[i] = i % 4 == 3 ? 0 : half_of_float(plausible_float(r, 0, 1));
+    }
     return halves;
 }
 
@@ -409,12 +460,14 @@ btf_result synthetic_create(const synthetic_spec *spec, const btf_log *log, btf_
     desc.lights = lights[0];
     for (uint32_t level = 0; level < desc.info.levels && result == BTF_OK; ++level) {
         result = make_level(&r, spec, &desc.info, level, texture[level]);
-        for (int id = 0; id < BTF_TEXTURE_COUNT; ++id)
+        for (int id = 0; id < BTF_TEXTURE_COUNT; ++id) {
             *(level ? &desc.level_texture[level][id] : &desc.texture[id]) = texture[level][id];
+        }
     }
     uint8_t acts[BTF_MAX_DIRECTIONS];
-    for (uint32_t v = 0; v < spec->n_views && spec->relief_mixed; ++v)
+    for (uint32_t v = 0; v < spec->n_views && spec->relief_mixed; ++v) {
         acts[v] = (uint8_t)random_below(&r, 2);
+    }
     desc.relief_views = spec->effects & BTF_EFFECT_RELIEF && spec->relief_mixed ? acts : NULL;
     desc.effect_errors = spec->effect_errors;
     desc.effect_error_count = spec->effect_error_count;
@@ -422,11 +475,14 @@ btf_result synthetic_create(const synthetic_spec *spec, const btf_log *log, btf_
     desc.between_error_count = spec->between_error_count;
     uint16_t *preview = make_preview(&r, spec, &desc.info);
     desc.preview = preview;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_material_create(&desc, log, out_material);
+    }
     free(preview);
-    for (int level = 0; level < BTF_MAX_LEVELS; ++level)
-        for (int id = 0; id < BTF_TEXTURE_COUNT; ++id)
+    for (int level = 0; level < BTF_MAX_LEVELS; ++level) {
+        for (int id = 0; id < BTF_TEXTURE_COUNT; ++id) {
             free(texture[level][id]);
+        }
+    }
     return result;
 }

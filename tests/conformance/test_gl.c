@@ -36,19 +36,24 @@ static struct {
 
 static void APIENTRY fake_get_integer(GLenum name, GLint *value) {
     api->GetIntegerv(name, value);
-    if (name == GL_MAX_TEXTURE_SIZE && fake.texture_size)
+    if (name == GL_MAX_TEXTURE_SIZE && fake.texture_size) {
         *value = fake.texture_size;
-    if (name == GL_MAX_ARRAY_TEXTURE_LAYERS && fake.layers)
+    }
+    if (name == GL_MAX_ARRAY_TEXTURE_LAYERS && fake.layers) {
         *value = fake.layers;
-    if (name == GL_MAJOR_VERSION && fake.major)
+    }
+    if (name == GL_MAJOR_VERSION && fake.major) {
         *value = fake.major;
-    if (name == GL_MINOR_VERSION && fake.major)
+    }
+    if (name == GL_MINOR_VERSION && fake.major) {
         *value = fake.minor;
+    }
 }
 
 static const GLubyte *APIENTRY fake_get_string(GLenum name) {
-    if (name == GL_VERSION && fake.version)
+    if (name == GL_VERSION && fake.version) {
         return (const GLubyte *)fake.version;
+    }
     return api->GetString(name);
 }
 
@@ -80,20 +85,27 @@ static void APIENTRY fake_tex_image_3d(GLenum target, GLint level, GLint interna
 
 static btf_gl_function fake_get_proc_address(void *user, const char *name) {
     (void)user;
-    if (fake.missing && strcmp(name, fake.missing) == 0)
+    if (fake.missing && strcmp(name, fake.missing) == 0) {
         return NULL;
-    if (strcmp(name, "glGetIntegerv") == 0)
+    }
+    if (strcmp(name, "glGetIntegerv") == 0) {
         return (btf_gl_function)fake_get_integer;
-    if (strcmp(name, "glGetString") == 0)
+    }
+    if (strcmp(name, "glGetString") == 0) {
         return (btf_gl_function)fake_get_string;
-    if (strcmp(name, "glGenTextures") == 0)
+    }
+    if (strcmp(name, "glGenTextures") == 0) {
         return (btf_gl_function)fake_gen_textures;
-    if (strcmp(name, "glTexImage2D") == 0)
+    }
+    if (strcmp(name, "glTexImage2D") == 0) {
         return (btf_gl_function)fake_tex_image;
-    if (strcmp(name, "glTexImage3D") == 0)
+    }
+    if (strcmp(name, "glTexImage3D") == 0) {
         return (btf_gl_function)fake_tex_image_3d;
-    if (strcmp(name, "glDeleteTextures") == 0)
+    }
+    if (strcmp(name, "glDeleteTextures") == 0) {
         return (btf_gl_function)fake_delete_textures;
+    }
     return real(name);
 }
 
@@ -106,8 +118,9 @@ static void expect_refusal(const btf_material *material, btf_result result, cons
     assert_int_equal(btf_gl_upload(material, &faked, &log_keep, &gl), result);
     assert_null(gl);
     assert_int_equal(fake.live, 0);
-    if (!strstr(last_message, words))
+    if (!strstr(last_message, words)) {
         fail_msg("\"%s\" does not say \"%s\"", last_message, words);
+    }
 }
 
 static void limits_are_told_with_both_numbers(void **state) {
@@ -239,9 +252,10 @@ static void uploads_what_a_variant_reads(void **state) {
     for (int id = 0; id < BTF_TEXTURE_COUNT; ++id) {
         assert_int_equal(btf_gl_texture(gl, (btf_texture_id)id) != 0, expected >> id & 1);
         btf_texture t = btf_material_texture(tight, (btf_texture_id)id);
-        if (expected >> id & 1)
+        if (expected >> id & 1) {
             bytes += id == BTF_TEXTURE_RESIDUAL_TEXELS || id == BTF_TEXTURE_RESIDUAL_DIRECTIONS ? t.size / 2
                                                                                                 : t.size;
+        }
     }
     assert_int_equal(btf_gl_bytes(gl), bytes); /* four of six components are one of two layers */
     /* A program that reads more is refused at binding. */
@@ -355,8 +369,9 @@ enum { STATES = sizeof state_names / sizeof *state_names };
 
 static void read_state(GLint out[STATES + 8]) {
     PFNGLGETINTEGERVPROC get = api->GetIntegerv;
-    for (int i = 0; i < STATES; ++i)
+    for (int i = 0; i < STATES; ++i) {
         get(state_names[i], &out[i]);
+    }
     get(GL_VIEWPORT, out + STATES);
     get(GL_COLOR_WRITEMASK, out + STATES + 4);
 }
@@ -366,8 +381,9 @@ static void set_state(int odd, GLuint texture, GLuint array, GLuint buffer) {
     static const GLenum skips[] = {GL_UNPACK_ROW_LENGTH,  GL_UNPACK_SKIP_ROWS,    GL_UNPACK_SKIP_PIXELS,
                                    GL_UNPACK_SKIP_IMAGES, GL_UNPACK_IMAGE_HEIGHT, GL_PACK_ROW_LENGTH,
                                    GL_PACK_SKIP_ROWS,     GL_PACK_SKIP_PIXELS};
-    for (size_t i = 0; i < sizeof skips / sizeof *skips; ++i)
+    for (size_t i = 0; i < sizeof skips / sizeof *skips; ++i) {
         store(skips[i], odd ? 3 + (GLint)i : 0);
+    }
     store(GL_UNPACK_SWAP_BYTES, odd);
     store(GL_PACK_SWAP_BYTES, odd);
     store(GL_UNPACK_ALIGNMENT, odd ? 8 : 4);
@@ -378,8 +394,9 @@ static void set_state(int odd, GLuint texture, GLuint array, GLuint buffer) {
     api->BindBuffer(GL_PIXEL_PACK_BUFFER, buffer);
     static const GLenum tests[] = {GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_CULL_FACE, GL_RASTERIZER_DISCARD,
                                    GL_STENCIL_TEST};
-    for (size_t i = 0; i < sizeof tests / sizeof *tests; ++i)
+    for (size_t i = 0; i < sizeof tests / sizeof *tests; ++i) {
         (odd ? api->Enable : api->Disable)(tests[i]);
+    }
     api->ColorMask(GL_TRUE, !odd, GL_TRUE, !odd);
     api->Viewport(odd, odd, 40 + odd, 30);
 }
@@ -456,8 +473,9 @@ static void two_materials_share_a_program(void **state) {
     strcpy(both, texts[0]);
     strcat(both, texts[1]);
     unsigned program = gpu_program(device, "#define BTF_HAVE_PRECISE 0\n", both, body, &log_keep);
-    if (!program)
+    if (!program) {
         fail_msg("%s", last_message);
+    }
     free(both);
     btf_free(texts[0]);
     btf_free(texts[1]);
@@ -482,8 +500,9 @@ static void two_materials_share_a_program(void **state) {
     assert_non_null(inputs);
     assert_non_null(outputs);
     random_state r = {77};
-    for (size_t i = 0; i < COUNT; ++i)
+    for (size_t i = 0; i < COUNT; ++i) {
         case_make(&r, i & 1 ? paper : tight, inputs + GPU_INPUTS * i);
+    }
     assert_int_equal(gpu_run(device, program, COUNT, inputs, outputs, &log_keep), BTF_OK);
     for (size_t i = 0; i < COUNT; ++i) {
         float f[8], rgb[3];
@@ -598,7 +617,8 @@ static int teardown(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(random_numbers_of_a_counter), cmocka_unit_test(options_are_checked),
+        cmocka_unit_test(random_numbers_of_a_counter),
+        cmocka_unit_test(options_are_checked),
         cmocka_unit_test(limits_are_told_with_both_numbers),
         cmocka_unit_test(an_atlas_too_large_is_taken_apart),
         cmocka_unit_test(old_and_partial_contexts_are_refused),

@@ -52,8 +52,9 @@ static void uploaded_as_mip_levels(void **state) {
         btf_texture t = btf_material_texture(material, (btf_texture_id)id);
         GLuint name = btf_gl_texture(gl, (btf_texture_id)id);
         assert_int_equal(name != 0, t.format != BTF_FORMAT_NONE);
-        if (!name)
+        if (!name) {
             continue;
+        }
         GLenum target = t.is_array ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D;
         api->BindTexture(target, name);
         int levels = btf_material_level_texture(material, 1, (btf_texture_id)id).format ? LEVELS : 1;
@@ -80,9 +81,10 @@ static void uploads_what_a_variant_reads(void **state) {
     btf_gl_options options = gpu_gl_options(device, &shader);
     size_t bytes =
         btf_material_texture(material, BTF_TEXTURE_RESIDUAL_DIRECTIONS).size / 2 + info.table_bytes;
-    for (uint32_t level = 0; level < LEVELS; ++level)
+    for (uint32_t level = 0; level < LEVELS; ++level) {
         bytes += btf_material_level_texture(material, level, BTF_TEXTURE_SBRDF).size +
                  btf_material_level_texture(material, level, BTF_TEXTURE_RESIDUAL_TEXELS).size / 2;
+    }
     btf_gl *gl;
     assert_int_equal(btf_gl_upload(material, &options, &log_stderr, &gl), BTF_OK);
     assert_int_equal(btf_gl_bytes(gl), bytes);
@@ -137,10 +139,12 @@ static void level_of_two_steps(void **state) {
         memcpy(inputs[i] + 2, cases[i].dy, sizeof cases[i].dy);
     }
     run(body, COUNT, inputs[0], outputs[0]);
-    for (int i = 0; i < COUNT; ++i)
-        if (!(fabsf(as_float(outputs[i][0]) - cases[i].level) < 1e-3f))
+    for (int i = 0; i < COUNT; ++i) {
+        if (!(fabsf(as_float(outputs[i][0]) - cases[i].level) < 1e-3f)) {
             fail_msg("case %d: level %g, not %g", i, (double)as_float(outputs[i][0]),
                      (double)cases[i].level);
+        }
+    }
 }
 
 /* The whole way: a surface of which one pixel steps over four columns and three rows. */
@@ -157,8 +161,9 @@ static void level_of_derivatives(void **state) {
     assert_non_null(inputs);
     assert_non_null(outputs);
     run(body, COUNT, inputs, outputs);
-    for (size_t i = 0; i < COUNT; ++i)
+    for (size_t i = 0; i < COUNT; ++i) {
         assert_int_equal(outputs[GPU_OUTPUTS * i], 2);
+    }
     free(inputs);
     free(outputs);
 }
@@ -176,8 +181,9 @@ static void evaluate_is_level_0(void **state) {
     assert_non_null(inputs);
     assert_non_null(outputs);
     random_state r = {78};
-    for (size_t i = 0; i < COUNT; ++i)
+    for (size_t i = 0; i < COUNT; ++i) {
         case_make(&r, material, inputs + GPU_INPUTS * i);
+    }
     run(body, COUNT, inputs, outputs);
     btf_ref_material reference;
     reference_view(material, 0, &reference);

@@ -25,8 +25,9 @@ static btf_material *material; /* has a texture of each format but RGBA16F and R
 static btf_material *half_floats, *factored;
 
 static void use(int compatibility) {
-    if (!OSMesaMakeCurrent(contexts[compatibility], pixels, GL_UNSIGNED_BYTE, 16, 16))
+    if (!OSMesaMakeCurrent(contexts[compatibility], pixels, GL_UNSIGNED_BYTE, 16, 16)) {
         fail_msg("OSMesa does not take its context");
+    }
 }
 
 /* The fakes below answer with these and count in them. */
@@ -43,25 +44,30 @@ static int imaging_index(GLenum name) {
                                     GL_CONVOLUTION_1D, GL_POST_COLOR_MATRIX_COLOR_TABLE,
                                     GL_CONVOLUTION_2D, GL_SEPARABLE_2D,
                                     GL_HISTOGRAM,      GL_MINMAX};
-    for (int i = 0; i < 8; ++i)
-        if (names[i] == name)
+    for (int i = 0; i < 8; ++i) {
+        if (names[i] == name) {
             return i;
+        }
+    }
     return -1;
 }
 
 /* 0..7 after the convolution, 8..15 after the colour matrix; in both four scales, then four biases. */
 static int transfer_index(GLenum name) {
-    if (name >= GL_POST_CONVOLUTION_RED_SCALE && name <= GL_POST_CONVOLUTION_ALPHA_BIAS)
+    if (name >= GL_POST_CONVOLUTION_RED_SCALE && name <= GL_POST_CONVOLUTION_ALPHA_BIAS) {
         return (int)(name - GL_POST_CONVOLUTION_RED_SCALE);
-    if (name >= GL_POST_COLOR_MATRIX_RED_SCALE && name <= GL_POST_COLOR_MATRIX_ALPHA_BIAS)
+    }
+    if (name >= GL_POST_COLOR_MATRIX_RED_SCALE && name <= GL_POST_COLOR_MATRIX_ALPHA_BIAS) {
         return (int)(8 + name - GL_POST_COLOR_MATRIX_RED_SCALE);
+    }
     return -1;
 }
 
 static void APIENTRY fake_get_integer(GLenum name, GLint *value) {
     glGetIntegerv(name, value);
-    if (name == GL_CONTEXT_PROFILE_MASK && fake.profile_is_0)
+    if (name == GL_CONTEXT_PROFILE_MASK && fake.profile_is_0) {
         *value = 0;
+    }
 }
 
 static const GLubyte *APIENTRY fake_get_string(GLenum name) {
@@ -76,44 +82,50 @@ static GLboolean APIENTRY fake_is_enabled(GLenum name) {
 
 static void APIENTRY fake_enable(GLenum name) {
     int i = fake.has_imaging ? imaging_index(name) : -1;
-    if (i >= 0)
+    if (i >= 0) {
         fake.imaging[i] = 1;
-    else
+    } else {
         glEnable(name);
+    }
 }
 
 static void APIENTRY fake_disable(GLenum name) {
     int i = fake.has_imaging ? imaging_index(name) : -1;
-    if (i >= 0)
+    if (i >= 0) {
         fake.imaging[i] = 0;
-    else
+    } else {
         glDisable(name);
+    }
 }
 
 static void APIENTRY fake_get_float(GLenum name, GLfloat *value) {
     int i = transfer_index(name);
-    if (i >= 0)
+    if (i >= 0) {
         *value = fake.transfer[i];
-    else
+    } else {
         glGetFloatv(name, value);
+    }
 }
 
 static void APIENTRY fake_pixel_transfer(GLenum name, GLfloat value) {
     int i = transfer_index(name);
     ++fake.transfers_called;
-    if (i >= 0)
+    if (i >= 0) {
         fake.transfer[i] = value;
-    else
+    } else {
         glPixelTransferf(name, value);
+    }
 }
 
 static void APIENTRY fake_tex_image(GLenum target, GLint level, GLint internal, GLsizei width,
                                     GLsizei height, GLint border, GLenum format, GLenum type,
                                     const void *data) {
-    for (int i = 0; i < 8; ++i)
+    for (int i = 0; i < 8; ++i) {
         fake.imaging_in_upload += fake.imaging[i];
-    for (int i = 0; i < 16; ++i)
+    }
+    for (int i = 0; i < 16; ++i) {
         fake.transfer_in_upload += fake.transfer[i] != (i % 8 < 4 ? 1.0f : 0.0f);
+    }
     glTexImage2D(target, level, internal, width, height, border, format, type, data);
 }
 
@@ -132,17 +144,20 @@ static btf_gl_function find(void *user, const char *name) {
         {"glPixelTransferf", (btf_gl_function)fake_pixel_transfer},
     };
     (void)user;
-    for (size_t i = 0; i < sizeof fakes / sizeof *fakes; ++i)
-        if (strcmp(fakes[i].name, name) == 0)
+    for (size_t i = 0; i < sizeof fakes / sizeof *fakes; ++i) {
+        if (strcmp(fakes[i].name, name) == 0) {
             return fakes[i].function;
+        }
+    }
     return (btf_gl_function)OSMesaGetProcAddress(name);
 }
 static const btf_gl_options options = {sizeof options, find, NULL, NULL};
 
 static btf_gl *upload(const btf_material *m) {
     btf_gl *gl = NULL;
-    if (btf_gl_upload(m, &options, &log_keep, &gl) != BTF_OK)
+    if (btf_gl_upload(m, &options, &log_keep, &gl) != BTF_OK) {
         fail_msg("%s", last_message);
+    }
     return gl;
 }
 
@@ -265,8 +280,9 @@ enum { SWITCHES = sizeof switches / sizeof *switches, OF_COMPATIBILITY = 4 };
 static void set_drawing(int compatibility, int odd) {
     static const GLubyte nothing[128] = {0};
     static const GLdouble behind[4] = {0, 0, 0, -1};
-    for (int i = 0; i < SWITCHES - (compatibility ? 0 : OF_COMPATIBILITY); ++i)
+    for (int i = 0; i < SWITCHES - (compatibility ? 0 : OF_COMPATIBILITY); ++i) {
         odd ? glEnable(switches[i]) : glDisable(switches[i]);
+    }
     glLogicOp(odd ? GL_CLEAR : GL_COPY);
     glBlendFunc(odd ? GL_ZERO : GL_ONE, GL_ZERO);
     glScissor(0, 0, odd ? 0 : 16, odd ? 0 : 16);
@@ -287,8 +303,9 @@ static void set_drawing(int compatibility, int odd) {
 
 static void read_drawing(int compatibility, GLint out[SWITCHES + 2]) {
     memset(out, 0, (SWITCHES + 2) * sizeof *out);
-    for (int i = 0; i < SWITCHES - (compatibility ? 0 : OF_COMPATIBILITY); ++i)
+    for (int i = 0; i < SWITCHES - (compatibility ? 0 : OF_COMPATIBILITY); ++i) {
         out[i] = glIsEnabled(switches[i]);
+    }
     glGetIntegerv(GL_POLYGON_MODE, out + SWITCHES);
 }
 
@@ -303,8 +320,9 @@ static void drawing_state_does_not_matter(void **state) {
         set_drawing(compatibility, 1);
         read_drawing(compatibility, before);
         btf_gl *gl = upload(material);
-        if (btf_gl_self_test(&options, &log_keep, &failures) != BTF_OK)
+        if (btf_gl_self_test(&options, &log_keep, &failures) != BTF_OK) {
             fail_msg("%s", last_message);
+        }
         assert_int_equal(failures, 0);
         expect_no_error();
         read_drawing(compatibility, after);
@@ -320,18 +338,22 @@ static void the_imaging_subset_is_put_aside(void **state) {
     use(1);
     memset(&fake, 0, sizeof fake);
     fake.has_imaging = 1;
-    for (int i = 0; i < 16; ++i)
+    for (int i = 0; i < 16; ++i) {
         fake.transfer[i] = 2.0f + (float)i;
-    for (int i = 0; i < 8; ++i)
+    }
+    for (int i = 0; i < 8; ++i) {
         fake.imaging[i] = i != 3; /* one was off, and stays off */
+    }
     btf_gl *gl = upload(material);
     btf_gl_destroy(&gl);
     assert_int_equal(fake.imaging_in_upload, 0);
     assert_int_equal(fake.transfer_in_upload, 0);
-    for (int i = 0; i < 16; ++i)
+    for (int i = 0; i < 16; ++i) {
         assert_true(fake.transfer[i] == 2.0f + (float)i);
-    for (int i = 0; i < 8; ++i)
+    }
+    for (int i = 0; i < 8; ++i) {
         assert_int_equal(fake.imaging[i], i != 3);
+    }
     expect_no_error();
 }
 
@@ -388,11 +410,13 @@ static int setup(void **state) {
                            .effects = BTF_EFFECT_VERSION_1,
                            .components = 6,
                            .centres = 100};
-    if (synthetic_create(&spec, &log_keep, &material) != BTF_OK)
+    if (synthetic_create(&spec, &log_keep, &material) != BTF_OK) {
         return 1;
+    }
     spec.half_float = 1;
-    if (synthetic_create(&spec, &log_keep, &half_floats) != BTF_OK)
+    if (synthetic_create(&spec, &log_keep, &half_floats) != BTF_OK) {
         return 1;
+    }
     spec.components = 3;
     spec.classes[0][0] = spec.classes[2][0] = spec.classes[3][0] = 1;
     return synthetic_create(&spec, &log_keep, &factored) != BTF_OK;

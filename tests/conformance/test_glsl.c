@@ -54,27 +54,34 @@ static int has_factors(const uint8_t *row) {
 
 /* The names that the library defines for a material of version 2. */
 static void write_version_2(char *out, size_t size, const uint8_t *row) {
-    size_t at = (size_t)snprintf(
-        out, size, "%s#define BTF_POINTS %d\n%s", row[ROOTS] && row[DOMAIN] ? "#define BTF_BLEND_ROOTS 1\n" : "",
-        row[POINTS], row[POINTS] ? "#define BTF_GAIN_BASE 0.25\n#define BTF_GAIN_STEP 0.125\n" : "");
-    if (row[RELIEF])
-        at += (size_t)snprintf(out + at, size - at,
-                               "#define BTF_RELIEF %d\n#define BTF_RELIEF_BASE (-300)\n#define BTF_RELIEF_STEP 900\n"
-                               "#define BTF_RELIEF_STEPS 8\n%s",
-                               row[RELIEF] == 1 ? 1 : 2, row[RELIEF] == 3 ? "#define BTF_RELIEF_END 2\n" : "");
-    if (row[GLOSS])
+    size_t at =
+        (size_t)snprintf(out, size, "%s#define BTF_POINTS %d\n%s",
+                         row[ROOTS] && row[DOMAIN] ? "#define BTF_BLEND_ROOTS 1\n" : "", row[POINTS],
+                         row[POINTS] ? "#define BTF_GAIN_BASE 0.25\n#define BTF_GAIN_STEP 0.125\n" : "");
+    if (row[RELIEF]) {
+        at += (size_t)snprintf(
+            out + at, size - at,
+            "#define BTF_RELIEF %d\n#define BTF_RELIEF_BASE (-300)\n#define BTF_RELIEF_STEP 900\n"
+            "#define BTF_RELIEF_STEPS 8\n%s",
+            row[RELIEF] == 1 ? 1 : 2, row[RELIEF] == 3 ? "#define BTF_RELIEF_END 2\n" : "");
+    }
+    if (row[GLOSS]) {
         at += (size_t)snprintf(out + at, size - at, "#define BTF_GLOSS %d\n", row[GLOSS]);
-    if (row[STEEP])
+    }
+    if (row[STEEP]) {
         at += (size_t)snprintf(out + at, size - at, "#define BTF_STEEP %d\n", row[BILINEAR]);
-    if (!has_factors(row))
+    }
+    if (!has_factors(row)) {
         return;
+    }
     const int(*of)[3] = classes[row[STORE] - 1];
     at += (size_t)snprintf(out + at, size - at, "#define BTF_FACTORS 1\n#define BTF_HORIZON_SCALE 3.75\n");
-    for (int c = 0; c < 5; ++c)
+    for (int c = 0; c < 5; ++c) {
         at += (size_t)snprintf(
             out + at, size - at,
             "#define BTF_FACTOR_UNITS_%d %d\n#define BTF_FACTOR_C1_%d %d\n#define BTF_FACTOR_C2_%d %d\n", c,
             of[c][0], c, of[c][1], c, of[c][2]);
+    }
 }
 
 typedef struct version {
@@ -125,7 +132,8 @@ static char *make_shader(const version *v, const uint8_t *row) {
         "void main() {\n"
         "    uvec3 random = btf_random(uvec3(gl_FragCoord.xyz));\n"
         "    float level = btf_level(dFdx(uv), dFdy(uv));\n"
-        "    colour = vec4(btf_evaluate_stochastic(uv, l, v, random) + btf_evaluate_radiance_blend(uv, l, v), 1.0);\n"
+        "    colour = vec4(btf_evaluate_stochastic(uv, l, v, random) + btf_evaluate_radiance_blend(uv, l, "
+        "v), 1.0);\n"
         "    colour.xyz += btf_evaluate_stochastic_level(uv, l, v, 1, random);\n"
         "    colour.xyz += btf_evaluate_radiance_blend_level(uv, l, v, 1);\n"
         "    colour.xyz += btf_evaluate_stochastic_between(uv, l, v, level, random);\n"
@@ -136,17 +144,20 @@ static char *make_shader(const version *v, const uint8_t *row) {
     write_version_2(version_2, sizeof version_2, row);
     const char *library = btf_shader_library();
     const char *in = v->vulkan ? "#define IN(n) layout(location = n)\n" : "#define IN(n)\n";
-    const char *parts[] = {v->line, v->extra, options, version_2, in, library, "\n",
-                           row[PICKS] ? stochastic_text : main_text};
+    const char *parts[] = {v->line, v->extra, options, version_2,
+                           in,      library,  "\n",    row[PICKS] ? stochastic_text : main_text};
     size_t length = 1;
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
         length += strlen(parts[i]);
+    }
     char *text = malloc(length);
-    if (!text)
+    if (!text) {
         exit(4);
+    }
     *text = 0;
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
         strcat(text, parts[i]);
+    }
     return text;
 }
 
@@ -156,14 +167,17 @@ static int contractible(const unsigned *words, size_t count) {
     unsigned bound = words[3];
     unsigned char *decorated = calloc(bound, 1);
     int missing = 0;
-    if (!decorated)
+    if (!decorated) {
         exit(4);
+    }
     for (size_t i = 5; i < count && words[i] >> 16; i += words[i] >> 16) {
         unsigned op = words[i] & 0xFFFF;
-        if (op == DECORATE && words[i + 2] == NO_CONTRACTION)
+        if (op == DECORATE && words[i + 2] == NO_CONTRACTION) {
             decorated[words[i + 1]] = 1;
-        if (op == ADD || op == SUBTRACT || op == MULTIPLY || op == SCALE)
+        }
+        if (op == ADD || op == SUBTRACT || op == MULTIPLY || op == SCALE) {
             missing += !decorated[words[i + 2]];
+        }
     }
     free(decorated);
     return missing;
@@ -192,12 +206,14 @@ static int check_absence(const char *preprocessed, const uint8_t *row) {
         {!row[POINTS], {"texelFetch(btf_shift", "texelFetch(btf_gain", NULL}},
     };
     int wrong = 0;
-    for (size_t e = 0; e < sizeof effects / sizeof *effects; ++e)
-        for (int w = 0; w < 3 && effects[e].words[w]; ++w)
+    for (size_t e = 0; e < sizeof effects / sizeof *effects; ++e) {
+        for (int w = 0; w < 3 && effects[e].words[w]; ++w) {
             if (!effects[e].present && strstr(preprocessed, effects[e].words[w])) {
                 fprintf(stderr, "%s is left behind\n", effects[e].words[w]);
                 ++wrong;
             }
+        }
+    }
     int maps = row[LAYOUT] == 0 &&
                ((row[SHADOW] && row[COLOUR] != 2) || row[SHIFT] || row[HIDDEN] == 2 || row[GAIN]);
     if (!maps && strstr(preprocessed, "btf_maps")) {
@@ -253,12 +269,14 @@ static int check_variant(const version *v, const uint8_t *row) {
     }
     if (wrong) {
         fprintf(stderr, "%s, levels", v->name);
-        for (int f = 0; f < FACTORS; ++f)
+        for (int f = 0; f < FACTORS; ++f) {
             fprintf(stderr, " %d", row[f]);
+        }
         fprintf(stderr, ": %.400s\n", message);
     }
-    if (program)
+    if (program) {
         glslang_program_delete(program);
+    }
     glslang_shader_delete(shader);
     free(text);
     return wrong;
@@ -269,9 +287,11 @@ static int check_rows(size_t count, uint8_t (*rows)[PAIRWISE_FACTORS]) {
     int wrong = 0;
     size_t compiled = 0;
     glslang_initialize_process();
-    for (size_t i = 0; i < count && wrong < 10; ++i)
-        for (int v = 0; v < VERSIONS; ++v, ++compiled)
+    for (size_t i = 0; i < count && wrong < 10; ++i) {
+        for (int v = 0; v < VERSIONS; ++v, ++compiled) {
             wrong += check_variant(&versions[v], rows[i]);
+        }
+    }
     glslang_finalize_process();
     printf("%zu shaders compiled, %d wrong\n", compiled, wrong);
     return wrong;

@@ -310,8 +310,9 @@ static btf_material *open_golden(const char *name) {
     btf_material *material = NULL;
     folder_path(folder);
     snprintf(path, sizeof path, "%s/%.60s.btf.exr", folder, name);
-    if (btf_material_open(path, &log_errors, &material) != BTF_OK)
+    if (btf_material_open(path, &log_errors, &material) != BTF_OK) {
         fail_msg("%s does not open", path);
+    }
     return material;
 }
 
@@ -320,8 +321,9 @@ static btf_material *open_golden(const char *name) {
 static void make_odd(edit_file *file) {
     edit_part first = file->parts[0];
     edit_copy_part(file, first.name, "x-private");
-    for (int p = 0; p + 1 < file->part_count; ++p)
+    for (int p = 0; p + 1 < file->part_count; ++p) {
         file->parts[p] = file->parts[p + 1];
+    }
     file->parts[file->part_count - 1] = first;
     for (int p = 0; p < file->part_count; ++p) {
         file->parts[p].order = EXR_LINEORDER_DECREASING_Y;
@@ -337,23 +339,28 @@ static int write_file(const golden *g, const char *folder) {
     size_t size = 0, edited_size = 0;
     char path[1200];
     if (synthetic_create(&g->spec, &log_errors, &material) ||
-        btf_material_save_memory(material, NULL, &data, &size))
+        btf_material_save_memory(material, NULL, &data, &size)) {
         return 1;
+    }
     btf_material_close(&material);
     edit_file *file = edit_load(data, size);
-    for (int p = 0; p < file->part_count; ++p)
+    for (int p = 0; p < file->part_count; ++p) {
         file->parts[p].compression = g->compression;
-    if (g->odd == 1)
+    }
+    if (g->odd == 1) {
         make_odd(file);
-    if (g->odd == 2)
+    }
+    if (g->odd == 2) {
         file->attributes[file->attribute_count++] =
             (edit_attribute){.name = "openbtf.reliefLevel", .type = EXR_ATTR_INT, .i = 4};
+    }
     edit_save(file, &edited, &edited_size);
     snprintf(path, sizeof path, "%.1000s/%s.btf.exr", folder, g->name);
     FILE *out = fopen(path, "wb");
     const int bad = !out || fwrite(edited, 1, edited_size, out) != edited_size;
-    if (out)
+    if (out) {
         fclose(out);
+    }
     edit_free(file);
     btf_free(data);
     free(edited);
@@ -364,8 +371,9 @@ static void write_lines(const golden *g, const char *folder, FILE *out) {
     btf_material *material = NULL;
     char path[1200];
     snprintf(path, sizeof path, "%.1000s/%s.btf.exr", folder, g->name);
-    if (btf_material_open(path, &log_errors, &material))
+    if (btf_material_open(path, &log_errors, &material)) {
         exit(1);
+    }
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
     random_state r = {g->spec.seed};
@@ -393,8 +401,9 @@ static void write_lines(const golden *g, const char *folder, FILE *out) {
         fprintf(out, "%s %u %u %u %s %s", g->name, level, o.effects, o.components,
                 o.interpolation == BTF_REF_LINEAR ? "linear" : "nearest",
                 filter_name((btf_filter)o.filter));
-        for (int k = 0; k < CASE_WORDS; ++k)
+        for (int k = 0; k < CASE_WORDS; ++k) {
             fprintf(out, " %08x", words[k]);
+        }
         fprintf(out, " %08x %08x %08x\n", bits[0], bits[1], bits[2]);
     }
     btf_material_close(&material);
@@ -404,11 +413,13 @@ static int write_all(const char *folder) {
     char path[1200];
     snprintf(path, sizeof path, "%.1000s/expected.txt", folder);
     FILE *out = fopen(path, "w");
-    if (!out)
+    if (!out) {
         return 1;
+    }
     for (int i = 0; i < FILES; ++i) {
-        if (write_file(&files[i], folder))
+        if (write_file(&files[i], folder)) {
             return 1;
+        }
         write_lines(&files[i], folder, out);
     }
     return fclose(out) != 0;
@@ -424,11 +435,14 @@ typedef struct expectation {
 
 static bool read_line(FILE *file, expectation *e) {
     if (fscanf(file, "%60s %u %u %u %12s %12s", e->name, &e->level, &e->effects, &e->components,
-               e->interpolation, e->filter) != 6)
+               e->interpolation, e->filter) != 6) {
         return false;
-    for (int i = 0; i < CASE_WORDS + 3; ++i)
-        if (fscanf(file, "%x", i < CASE_WORDS ? &e->arguments[i] : &e->radiance[i - CASE_WORDS]) != 1)
+    }
+    for (int i = 0; i < CASE_WORDS + 3; ++i) {
+        if (fscanf(file, "%x", i < CASE_WORDS ? &e->arguments[i] : &e->radiance[i - CASE_WORDS]) != 1) {
             return false;
+        }
+    }
     return true;
 }
 
@@ -455,21 +469,25 @@ static void reference_gives_the_bits(void **state) {
         memcpy(f, e.arguments, sizeof f);
         btf_ref_evaluate(&reference, &o, f[0], f[1], f + 2, f + 5, rgb);
         memcpy(bits, rgb, sizeof bits);
-        for (int c = 0; c < 3; ++c)
-            if (bits[c] != e.radiance[c])
+        for (int c = 0; c < 3; ++c) {
+            if (bits[c] != e.radiance[c]) {
                 fail_msg("line %d, %s: channel %d is %08x, it was %08x", lines + 1, e.name, c, bits[c],
                          e.radiance[c]);
+            }
+        }
         lit += (bits[0] | bits[1] | bits[2]) != 0;
-        for (int i = 0; i < FILES; ++i)
+        for (int i = 0; i < FILES; ++i) {
             seen[i] += strcmp(files[i].name, e.name) == 0;
+        }
         btf_material_close(&material);
         ++lines;
     }
     fclose(file);
     assert_int_equal(lines, FILES * LINES);
     assert_true(lit > 3 * lines / 4);
-    for (int i = 0; i < FILES; ++i)
+    for (int i = 0; i < FILES; ++i) {
         assert_int_equal(seen[i], LINES);
+    }
 }
 
 /* The version that the library gives them, and that they are written as. */
@@ -489,8 +507,9 @@ static void versions_stay(void **state) {
         for (int id = 0; id < BTF_TEXTURE_COUNT; ++id) {
             const btf_texture a = btf_material_texture(material, id), b = btf_material_texture(again, id);
             assert_int_equal(a.size, b.size);
-            if (a.size)
+            if (a.size) {
                 assert_memory_equal(a.data, b.data, a.size);
+            }
         }
         btf_free(data);
         btf_material_close(&material);
@@ -514,17 +533,19 @@ static void device_agrees(void **state) {
         check_subject s = {.gpu = device, .material = material, .shader = &shader, .log = &log_errors};
         check_outcome outcome = {0};
         assert_int_equal(check_radiance(&s, 2 * (uint64_t)i, 2000, &outcome), BTF_OK);
-        if (outcome.different)
+        if (outcome.different) {
             fail_msg("%s: %llu of %llu differ", files[i].name, (unsigned long long)outcome.different,
                      (unsigned long long)outcome.evaluated);
+        }
         btf_material_close(&material);
     }
     gpu_destroy(&device);
 }
 
 int main(int argc, char **argv) {
-    if (argc == 3 && strcmp(argv[1], "--write") == 0)
+    if (argc == 3 && strcmp(argv[1], "--write") == 0) {
         return write_all(argv[2]);
+    }
     const struct CMUnitTest tests[] = {cmocka_unit_test(reference_gives_the_bits),
                                        cmocka_unit_test(versions_stay), cmocka_unit_test(device_agrees)};
     return cmocka_run_group_tests_name("golden", tests, NULL, NULL);

@@ -73,9 +73,11 @@ typedef struct body {
 static count function_cost(module *m, unsigned id);
 
 static int find_block(const body *b, unsigned label) {
-    for (int i = 0; i < b->count; ++i)
-        if (b->block[i].label == label)
+    for (int i = 0; i < b->count; ++i) {
+        if (b->block[i].label == label) {
             return i;
+        }
+    }
     fprintf(stderr, "no block %u\n", label);
     exit(4);
 }
@@ -83,13 +85,15 @@ static int find_block(const body *b, unsigned label) {
 /* The end of a loop's body goes on behind the loop, as if it ended there. */
 static count longest(body *b, int at) {
     block *here = &b->block[at];
-    if (here->done)
+    if (here->done) {
         return here->longest;
+    }
     count best = {0};
     for (int s = 0; s < here->successors; ++s) {
         int to = find_block(b, here->successor[s]);
-        if (to <= at)
+        if (to <= at) {
             to = find_block(b, b->block[to].merge);
+        }
         const count c = longest(b, to);
         best.instructions = c.instructions > best.instructions ? c.instructions : best.instructions;
         best.fetches = c.fetches > best.fetches ? c.fetches : best.fetches;
@@ -103,8 +107,9 @@ static count longest(body *b, int at) {
 /* How often each loop runs multiplies what lies between its header and its merge. */
 static void multiply_loops(body *b, const unsigned *bound_of_loop) {
     for (int h = 0; h < b->count; ++h) {
-        if (!b->block[h].merge)
+        if (!b->block[h].merge) {
             continue;
+        }
         const int end = find_block(b, b->block[h].merge);
         for (int i = h; i < end; ++i) {
             b->block[i].own.instructions *= bound_of_loop[h];
@@ -114,28 +119,33 @@ static void multiply_loops(body *b, const unsigned *bound_of_loop) {
 }
 
 static count function_cost(module *m, unsigned id) {
-    if (m->known[id])
+    if (m->known[id]) {
         return m->total[id];
+    }
     body b = {.block = calloc(MOST_BLOCKS, sizeof *b.block)};
     unsigned *bound = calloc(MOST_BLOCKS, sizeof *bound);
-    if (!b.block || !bound)
+    if (!b.block || !bound) {
         exit(4);
+    }
     const bool look_up = m->name[id] && strncmp(m->name[id], "btf_lookup", 10) == 0;
     int loop = -1; /* whose bound is not met yet */
     for (size_t i = m->function[id]; (m->words[i] & 0xFFFF) != OP_FUNCTION_END; i += m->words[i] >> 16) {
         const unsigned op = m->words[i] & 0xFFFF, *w = m->words + i;
         block *now = b.count ? &b.block[b.count - 1] : NULL;
         if (op == OP_LABEL) {
-            if (b.count == MOST_BLOCKS)
+            if (b.count == MOST_BLOCKS) {
                 exit(4);
+            }
             b.block[b.count++].label = w[1];
             continue;
         }
-        if (!now)
+        if (!now) {
             continue;
+        }
         now->own.instructions++;
-        if (op == OP_FETCH)
+        if (op == OP_FETCH) {
             now->own.fetches++;
+        }
         if (op == OP_CALL) {
             const count c = function_cost(m, w[3]);
             now->own.instructions += c.instructions;
@@ -147,8 +157,9 @@ static count function_cost(module *m, unsigned id) {
             bound[loop] = look_up ? RECORDS : m->trips;
         }
         if ((op == OP_U_LESS || op == OP_S_LESS) && loop >= 0) {
-            if (m->value[w[4]])
+            if (m->value[w[4]]) {
                 bound[loop] = *m->value[w[4]];
+            }
             loop = -1;
         }
         if (op == OP_BRANCH || op == OP_BRANCH_IF) {
@@ -175,14 +186,17 @@ static count module_cost(const unsigned *words, size_t length, unsigned trips) {
                 .function = calloc(bound, sizeof *m.function),
                 .total = calloc(bound, sizeof *m.total),
                 .known = calloc(bound, sizeof *m.known)};
-    if (!m.name || !m.value || !m.function || !m.total || !m.known)
+    if (!m.name || !m.value || !m.function || !m.total || !m.known) {
         exit(4);
+    }
     for (size_t i = 5; i < length && words[i] >> 16; i += words[i] >> 16) {
         const unsigned op = words[i] & 0xFFFF;
-        if (op == OP_NAME)
+        if (op == OP_NAME) {
             m.name[words[i + 1]] = (const char *)(words + i + 2);
-        if (op == OP_CONSTANT)
+        }
+        if (op == OP_CONSTANT) {
             m.value[words[i + 2]] = words + i + 3;
+        }
         if (op == OP_FUNCTION) {
             m.function[words[i + 2]] = i;
             entry = entry ? entry : words[i + 2]; /* glslang puts main first */
@@ -204,8 +218,9 @@ static count compile(const char *text, unsigned trips) {
                                     "void main() {\n    colour = vec4(btf_evaluate(uv, l, v), 1.0);\n}\n";
     const size_t size = strlen(text) + sizeof main_text + 32;
     char *whole = malloc(size);
-    if (!whole)
+    if (!whole) {
         exit(4);
+    }
     snprintf(whole, size, "#version 450 core\n%s\n%s", text, main_text);
     glslang_input_t input = {.language = GLSLANG_SOURCE_GLSL,
                              .stage = GLSLANG_STAGE_FRAGMENT,
@@ -225,8 +240,9 @@ static count compile(const char *text, unsigned trips) {
         exit(4);
     }
     glslang_program_add_shader(program, shader);
-    if (!glslang_program_link(program, (int)input.messages))
+    if (!glslang_program_link(program, (int)input.messages)) {
         exit(4);
+    }
     glslang_program_SPIRV_generate(program, GLSLANG_STAGE_FRAGMENT);
     const count c =
         module_cost(glslang_program_SPIRV_get_ptr(program), glslang_program_SPIRV_get_size(program), trips);
@@ -259,15 +275,17 @@ static count measure(const btf_material *material, const btf_material_info *info
         .fixed_view = {0.36f, 0, 0.93295228f},
         .fixed_light = {0, 0.48f, 0.87726848f}};
     char *text = NULL;
-    if (btf_shader_source(material, &o, NULL, &text) != BTF_OK)
+    if (btf_shader_source(material, &o, NULL, &text) != BTF_OK) {
         exit(4);
+    }
     count made = compile(text, c.nearest ? 1 : 3);
     btf_free(text);
     const uint32_t textures = btf_shader_textures(info, &o);
     for (int id = 0; id < BTF_TEXTURE_COUNT; ++id) {
         const btf_texture t = btf_material_texture(material, (btf_texture_id)id);
-        if (!(textures >> id & 1))
+        if (!(textures >> id & 1)) {
             continue;
+        }
         const bool residual = id == BTF_TEXTURE_RESIDUAL_TEXELS || id == BTF_TEXTURE_RESIDUAL_DIRECTIONS;
         made.bytes += residual ? t.size / info->components * c.components : t.size;
     }
@@ -295,23 +313,27 @@ static int check_layout(btf_layout layout) {
     static count counts[VARIANTS];
     btf_material *material = NULL;
     btf_material_info info = {.struct_size = sizeof info};
-    if (synthetic_create(&spec, NULL, &material) != BTF_OK)
+    if (synthetic_create(&spec, NULL, &material) != BTF_OK) {
         exit(4);
+    }
     btf_material_get_info(material, &info);
-    for (int i = 0; i < VARIANTS; ++i)
+    for (int i = 0; i < VARIANTS; ++i) {
         counts[i] = measure(material, &info, variant(i));
+    }
     btf_material_close(&material);
     int pairs = 0, wrong = 0;
-    for (int i = 0; i < VARIANTS; ++i)
+    for (int i = 0; i < VARIANTS; ++i) {
         for (int k = 0; k < VARIANTS; ++k) {
             const choice a = variant(i), b = variant(k);
-            if (i == k || !is_less(&a, &b))
+            if (i == k || !is_less(&a, &b)) {
                 continue;
+            }
             ++pairs;
             if (counts[i].bytes <= counts[k].bytes && counts[i].fetches <= counts[k].fetches &&
-                counts[i].instructions <= counts[k].instructions)
+                counts[i].instructions <= counts[k].instructions) {
                 continue;
-            if (wrong++ < 5)
+            }
+            if (wrong++ < 5) {
                 fprintf(
                     stderr,
                     "effects %u k %u %d%d%d: %zu bytes, %llu fetches, %llu instructions; effects %u k %u "
@@ -320,7 +342,9 @@ static int check_layout(btf_layout layout) {
                     (unsigned long long)counts[i].fetches, (unsigned long long)counts[i].instructions,
                     b.effects, b.components, b.nearest, b.bilinear, b.fixed, counts[k].bytes,
                     (unsigned long long)counts[k].fetches, (unsigned long long)counts[k].instructions);
+            }
         }
+    }
     const count *most = &counts[16 * COMPONENTS - 1], *least = &counts[0];
     printf("layout %s: %d variants, %d pairs, %d wrong; full %llu fetches, %llu instructions, SBRDF alone "
            "%llu, %llu\n",

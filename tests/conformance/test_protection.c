@@ -87,8 +87,9 @@ static void names_what_breaks(void **state) {
         free(broken);
         char names[120];
         btf_self_test_names(failures, names, sizeof names);
-        if (!(failures & list[i].bit) || !strstr(names, list[i].name))
+        if (!(failures & list[i].bit) || !strstr(names, list[i].name)) {
             fail_msg("%s is not found (%s)", list[i].name, names);
+        }
     }
     char names[12];
     btf_self_test_names(0, names, sizeof names);

@@ -59,8 +59,8 @@ static const uint8_t levels_2[FACTORS_2] = {2, 2, 3, 3, 3, 2, 2, 2, 2, 2, 2, 2, 
 
 /* The same for packed points, which meet every other part of a material. */
 enum factor_3 {
-    LAYOUT_3,   /* one level, all levels of detail */
-    DOMAIN_3,   /* linear, roots blended as radiance, as roots */
+    LAYOUT_3, /* one level, all levels of detail */
+    DOMAIN_3, /* linear, roots blended as radiance, as roots */
     COLOUR_3,
     SHADOW_3,
     RESIDUAL_3, /* none, components, factors */
@@ -126,25 +126,35 @@ static const uint32_t left_out[] = {
 static void write_name(variant *v) {
     const synthetic_spec *s = &v->spec;
     static const char *const colours[] = {"mono", "rgb", "none"};
-    static const char *const reliefs[] = {" relief-flat", " relief", " relief-deep", " relief-high", " relief-even"};
+    static const char *const reliefs[] = {" relief-flat", " relief", " relief-deep", " relief-high",
+                                          " relief-even"};
     char classes[100] = "";
-    for (int c = 0, at = 0; c < BTF_FACTOR_CLASSES; ++c)
-        if (s->classes[c][0])
+    for (int c = 0, at = 0; c < BTF_FACTOR_CLASSES; ++c) {
+        if (s->classes[c][0]) {
             at += snprintf(classes + at, sizeof classes - (size_t)at, " %d:%u/%u/%u", c, s->classes[c][0],
                            s->classes[c][1], s->classes[c][2]);
+        }
+    }
     snprintf(v->name, sizeof v->name,
              "%ux%u V%u L%u %s %s %s%s J%u%s%s%s%s%s%s%s k%u%s%s%s%s%s%s minus %u cut %u %s %s", s->width,
              s->height, s->n_views, s->n_lights, s->layout ? "tight" : "paper",
              s->domain ? "sqrt" : "linear", colours[s->colour], s->half_float ? " half" : "", s->lobes,
              s->effects & BTF_EFFECT_SHADOW ? " shadow" : "", s->effects & BTF_EFFECT_SHIFT ? " shift" : "",
              s->effects & BTF_EFFECT_HIDDEN ? " hidden" : "", s->effects & BTF_EFFECT_GAIN ? " gain" : "",
-             s->entries ? " lists" : s->packed ? " packed" : "",
+             s->entries  ? " lists"
+             : s->packed ? " packed"
+                         : "",
              s->effects & BTF_EFFECT_RELIEF ? reliefs[s->relief] : "",
-             !(s->effects & BTF_EFFECT_GLOSS) ? "" : s->gloss_share > 1 ? " gloss 1/2" : " gloss 1/4",
+             !(s->effects & BTF_EFFECT_GLOSS) ? ""
+             : s->gloss_share > 1             ? " gloss 1/2"
+                                              : " gloss 1/4",
              s->components, classes, s->codes ? " bounds" : "", s->blend ? " roots" : "",
              s->all_hidden ? " all-hidden" : "", s->values ? " extreme" : "",
-             s->levels < 2 ? "" : s->relief_end ? " levels, relief ends" : " levels", v->shader.leave_out, v->shader.components,
-             v->shader.interpolation ? "nearest" : "linear", filter_name(v->shader.filter));
+             s->levels < 2   ? ""
+             : s->relief_end ? " levels, relief ends"
+                             : " levels",
+             v->shader.leave_out, v->shader.components, v->shader.interpolation ? "nearest" : "linear",
+             filter_name(v->shader.filter));
 }
 
 static void make_variant(const uint8_t row[FACTORS], uint64_t seed, variant *v) {
@@ -163,8 +173,9 @@ static void make_variant(const uint8_t row[FACTORS], uint64_t seed, variant *v) 
     s->half_float = row[HALF];
     s->lobes = s->colour == BTF_COLOUR_NONE ? 0 : 1u + row[LOBES];
     s->components = components[row[COMPONENTS]];
-    if (s->colour == BTF_COLOUR_NONE && s->components == 0)
+    if (s->colour == BTF_COLOUR_NONE && s->components == 0) {
         s->components = 4;
+    }
     s->effects = (row[SHADOW] ? BTF_EFFECT_SHADOW : 0u) | (row[SHIFT] ? BTF_EFFECT_SHIFT : 0u) |
                  (row[HIDDEN] ? BTF_EFFECT_HIDDEN : 0u) | (row[GAIN] ? BTF_EFFECT_GAIN : 0u) |
                  (s->components ? BTF_EFFECT_RESIDUAL : 0u);
@@ -204,8 +215,9 @@ static void make_variant_2(const uint8_t row[FACTORS_2], uint64_t seed, size_t m
     s->codes = (synthetic_codes)row[CODES_2];
     s->horizon_scale = row[HORIZON_2] ? 3.75f : 0;
     memcpy(s->classes, mixtures[mixture], sizeof s->classes);
-    for (int c = 0; c < BTF_FACTOR_CLASSES; ++c)
+    for (int c = 0; c < BTF_FACTOR_CLASSES; ++c) {
         s->components += s->classes[c][0];
+    }
     if (s->components == 0) {
         s->components = 6;
         s->domain = BTF_DOMAIN_SQRT;
@@ -241,14 +253,16 @@ static void make_variant_3(const uint8_t row[FACTORS_3], uint64_t seed, variant 
     s->entries = row[LISTS_3] == 0 ? 0 : seed % 3 ? 1 + (uint32_t)(7 * seed % 16) : BTF_MAX_POINT_ENTRIES;
     const int residual = s->colour == BTF_COLOUR_NONE && !row[RESIDUAL_3] ? 1 : row[RESIDUAL_3];
     s->components = residual == 0 ? 0 : residual == 1 ? 6 : 3;
-    if (residual == 2)
+    if (residual == 2) {
         memcpy(s->classes, classes, sizeof s->classes);
+    }
     s->horizon_scale = residual == 2 ? 3.75f : 0;
     s->effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | (row[SHADOW_3] ? BTF_EFFECT_SHADOW : 0u) |
                  (residual ? BTF_EFFECT_RESIDUAL : 0u);
     s->values = (synthetic_values)row[VALUES_3];
     v->shader.struct_size = sizeof v->shader;
-    v->shader.leave_out = (row[LEAVE_OUT_3] & 1 ? BTF_EFFECT_SHIFT : 0u) | (row[LEAVE_OUT_3] & 2 ? BTF_EFFECT_GAIN : 0u);
+    v->shader.leave_out =
+        (row[LEAVE_OUT_3] & 1 ? BTF_EFFECT_SHIFT : 0u) | (row[LEAVE_OUT_3] & 2 ? BTF_EFFECT_GAIN : 0u);
     v->shader.interpolation = (btf_interpolation)row[INTERPOLATION_3];
     v->shader.filter = (btf_filter)row[FILTER_3];
     write_name(v);
@@ -256,10 +270,12 @@ static void make_variant_3(const uint8_t row[FACTORS_3], uint64_t seed, variant 
 
 /* An SBRDF with shadow; factors; components with shift and gain of all stores; hidden points among factors. */
 static void make_model_4(int model, uint64_t seed, synthetic_spec *s) {
-    static const uint32_t classes[][BTF_FACTOR_CLASSES][3] = {{{1, 1, 1}, {0}, {2, 1, 0}}, {{0}, {0}, {2, 0, 1}}};
+    static const uint32_t classes[][BTF_FACTOR_CLASSES][3] = {{{1, 1, 1}, {0}, {2, 1, 0}},
+                                                              {{0}, {0}, {2, 0, 1}}};
     static const uint32_t effects[] = {
         BTF_EFFECT_SHADOW, BTF_EFFECT_RESIDUAL, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL,
-        BTF_EFFECT_HIDDEN | BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_RESIDUAL, BTF_EFFECT_RESIDUAL};
+        BTF_EFFECT_HIDDEN | BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_RESIDUAL,
+        BTF_EFFECT_RESIDUAL};
     s->effects = effects[model];
     s->colour = model == 0 ? BTF_COLOUR_RGB : model == 3 ? BTF_COLOUR_MONO : BTF_COLOUR_NONE;
     s->lobes = s->colour == BTF_COLOUR_NONE ? 0 : 1;
@@ -297,7 +313,8 @@ static void make_variant_4(const uint8_t row[FACTORS_4], uint64_t seed, variant 
     s->relief_end = row[LAYOUT_4] == 2 ? 1 + (uint32_t)(seed % 2) : 0;
     s->gloss_share = row[GLOSS_4];
     s->values = (synthetic_values)row[VALUES_4];
-    static const uint32_t left_out_4[] = {0, BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT, BTF_EFFECT_RELIEF, BTF_EFFECT_GLOSS};
+    static const uint32_t left_out_4[] = {0, BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT, BTF_EFFECT_RELIEF,
+                                          BTF_EFFECT_GLOSS};
     v->shader.struct_size = sizeof v->shader;
     v->shader.leave_out = left_out_4[row[LEAVE_OUT_4]];
     v->shader.interpolation = (btf_interpolation)row[INTERPOLATION_4];
@@ -312,8 +329,9 @@ static size_t choose_mixture(bool used[MIXTURES], bool bilinear) {
     int least = BTF_FACTOR_CLASSES + 1;
     for (size_t i = 0; i < MIXTURES; ++i) {
         int classes = 0;
-        for (int c = 0; c < BTF_FACTOR_CLASSES; ++c)
+        for (int c = 0; c < BTF_FACTOR_CLASSES; ++c) {
             classes += mixtures[i][c][0] > 0;
+        }
         const int cost = bilinear ? classes : BTF_FACTOR_CLASSES - classes;
         if (!used[i] && cost < least) {
             least = cost;
@@ -327,19 +345,23 @@ static size_t choose_mixture(bool used[MIXTURES], bool bilinear) {
 size_t variant_pairwise(uint64_t seed, variant list[VARIANT_MAX]) {
     static uint8_t rows[VARIANT_MAX][PAIRWISE_FACTORS];
     size_t count = pairwise_rows(seed, FACTORS, levels, VARIANT_MAX, rows);
-    for (size_t i = 0; i < count; ++i)
+    for (size_t i = 0; i < count; ++i) {
         make_variant(rows[i], seed + i, &list[i]);
+    }
 
     bool used[MIXTURES] = {false};
     size_t more = pairwise_rows(seed, FACTORS_2, levels_2, VARIANT_MAX - count, rows);
-    for (size_t i = 0; i < more; ++i, ++count)
+    for (size_t i = 0; i < more; ++i, ++count) {
         make_variant_2(rows[i], seed + count, choose_mixture(used, rows[i][FILTER_2]), &list[count]);
+    }
     more = pairwise_rows(seed, FACTORS_3, levels_3, VARIANT_MAX - count, rows);
-    for (size_t i = 0; i < more; ++i, ++count)
+    for (size_t i = 0; i < more; ++i, ++count) {
         make_variant_3(rows[i], seed + count, &list[count]);
+    }
     more = pairwise_rows(seed, FACTORS_4, levels_4, VARIANT_MAX - count, rows);
-    for (size_t i = 0; i < more; ++i, ++count)
+    for (size_t i = 0; i < more; ++i, ++count) {
         make_variant_4(rows[i], seed + count, &list[count]);
+    }
     return count;
 }
 

@@ -71,8 +71,9 @@ static btf_result write_tables(const char *path, const btf_light_sampling *table
                  densities = (size_t)tables->n_views * (tables->n_lights + 1),
                  rows = (triangles + densities + 3 * TABLE_WIDTH - 1) / (3 * TABLE_WIDTH);
     float *words = calloc(rows * TABLE_WIDTH, 3 * sizeof *words);
-    if (!words)
+    if (!words) {
         return BTF_ERROR_MEMORY;
+    }
     memcpy(words, tables->triangles, triangles * sizeof *words);
     memcpy(words + triangles, tables->densities, densities * sizeof *words);
     btf_result result =
@@ -88,11 +89,13 @@ static btf_result add_sampling(const char *directory, int number, const btf_mate
     btf_evaluator *evaluator = NULL;
     btf_light_sampling *tables = NULL;
     btf_result result = btf_evaluator_create(material, log, &evaluator);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_light_sampling_create(material, evaluator, log, &tables);
+    }
     btf_evaluator_destroy(&evaluator);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     sample(material, tables, number, planes);
     snprintf(name, sizeof name, "%02d-tables.exr", number);
     snprintf(path, sizeof path, "%.1000s/%s", directory, name);
@@ -108,8 +111,9 @@ static btf_result write_vector(const char *directory, int number, const variant 
                                json *j, float (*planes)[PIXELS][3]) {
     btf_material *material = NULL;
     btf_result result = synthetic_create(&v->spec, log, &material);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
     if (info.gpu_bytes > LARGEST) { /* the others have all that it shows */
@@ -133,8 +137,9 @@ static btf_result write_vector(const char *directory, int number, const variant 
     json_integer(j, "number", number);
     evaluate(material, level, v, number, planes);
     const bool drawn = number % 4 == 2;
-    if (drawn && result == BTF_OK)
+    if (drawn && result == BTF_OK) {
         result = add_sampling(directory, number, material, log, j, planes);
+    }
     for (int p = 0; p < PLANES + (drawn ? SAMPLED : 0) && result == BTF_OK; ++p) {
         snprintf(name, sizeof name, "%02d-%s.exr", number, plane_names[p]);
         snprintf(path, sizeof path, "%.1000s/%s", directory, name);
@@ -148,14 +153,16 @@ static btf_result write_vector(const char *directory, int number, const variant 
 
 static btf_result write_manifest(const char *directory, json *j, const btf_log *log) {
     const char *text = json_text(j);
-    if (!text)
+    if (!text) {
         return BTF_ERROR_MEMORY;
+    }
     char path[1200];
     snprintf(path, sizeof path, "%.1000s/manifest.json", directory);
     output *file = NULL;
     btf_result result = output_open(path, log ? *log : (btf_log){0}, &file);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     fputs(text, output_stream(file));
     return output_commit(&file);
 }
@@ -184,12 +191,14 @@ btf_result vectors_write(const char *directory, uint64_t seed, const btf_log *lo
         "direction, G that of "
         "the pixel's light.");
     json_array(&j, "vectors");
-    for (size_t i = 0; i < count && result == BTF_OK; ++i)
+    for (size_t i = 0; i < count && result == BTF_OK; ++i) {
         result = write_vector(directory, (int)i, &list[i], log, &j, planes);
+    }
     json_end(&j);
     json_end(&j);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = write_manifest(directory, &j, log);
+    }
     json_free(&j);
     free(planes);
     free(list);

@@ -11,8 +11,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const char *path = fuzz_file(data, size);
     const enc_context context = {.threads = 1};
     enc_source *source = NULL;
-    if (enc_source_open_archive(&context, path, &source) != BTF_OK)
+    if (enc_source_open_archive(&context, path, &source) != BTF_OK) {
         return 0;
+    }
     for (size_t i = 0; i < source->count; i++) {
         char message[160] = "";
         void *bytes = NULL;
@@ -21,8 +22,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         FUZZ_CHECK((result == BTF_OK) == (bytes != NULL));
         FUZZ_CHECK(length <= ENC_SOURCE_MAX_FILE);
         free(bytes);
-        if (result != BTF_OK)
+        if (result != BTF_OK) {
             break;
+        }
     }
     enc_source_close(&source);
     return 0;

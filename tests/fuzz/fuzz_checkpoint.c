@@ -36,26 +36,30 @@ static void check_fit(void) {
     const enc_fit_options options = enc_fit_options_default();
     enc_fit_stats stats;
     enc_sbrdf *sbrdf;
-    if (!enc_step_take_fit(&context, data, &options, &sbrdf, &stats))
+    if (!enc_step_take_fit(&context, data, &options, &sbrdf, &stats)) {
         return;
+    }
     float out[3 * STEP_LIGHTS];
     const float x[STEP_LIGHTS] = {0, 0}, y[STEP_LIGHTS] = {0, 0.6f}, z[STEP_LIGHTS] = {1, 0.8f};
     FUZZ_CHECK(isfinite(stats.cost) && isfinite(stats.core_seconds));
     for (size_t t = 0; t < STEP_TEXELS; t++) {
         enc_sbrdf_evaluate(sbrdf, t, data->views[1].xyz, STEP_LIGHTS, x, y, z, out);
-        for (int i = 0; i < 3 * STEP_LIGHTS; i++)
+        for (int i = 0; i < 3 * STEP_LIGHTS; i++) {
             FUZZ_CHECK(!isnan(out[i]));
+        }
     }
     enc_sbrdf_destroy(&sbrdf);
 }
 
 static void check_occlusion(const char *step) {
     enc_occlusion *o;
-    if (!enc_step_take_occlusion(&context, step, data, &o))
+    if (!enc_step_take_occlusion(&context, step, data, &o)) {
         return;
-    for (size_t i = 0; i < STEP_VIEWS * STEP_TEXELS; i++)
+    }
+    for (size_t i = 0; i < STEP_VIEWS * STEP_TEXELS; i++) {
         FUZZ_CHECK(o->hidden[i] <= 1 && o->hidden_voted[i] <= 1 && o->ratio[i] >= 0 && o->ratio[i] <= 1 &&
                    o->centre[i] == 0);
+    }
     enc_occlusion_destroy(&o);
 }
 
@@ -68,9 +72,11 @@ static void check_cluster(void) {
         FUZZ_CHECK(c->k >= 1 && c->k <= STEP_CENTRES && c->n_lights == STEP_LIGHTS && c->scale > 0 &&
                    isfinite(c->scale));
         unsigned sum = 0;
-        for (size_t i = 0; i < STEP_VIEWS * STEP_TEXELS; i++)
-            for (size_t j = 0; o->hidden[i] && j < 3 * STEP_LIGHTS; j++)
+        for (size_t i = 0; i < STEP_VIEWS * STEP_TEXELS; i++) {
+            for (size_t j = 0; o->hidden[i] && j < 3 * STEP_LIGHTS; j++) {
                 sum += c->codes[o->centre[i] * 3 * STEP_LIGHTS + j];
+            }
+        }
         FUZZ_CHECK(sum <= 255 * 5 * 3 * STEP_LIGHTS);
         enc_centres_destroy(&c);
     }
@@ -82,12 +88,15 @@ static void check_factors(bool match) {
     enc_factors *f = NULL;
     FUZZ_CHECK(enc_factor_encode(&context, data, &options, &f) == BTF_OK);
     unsigned sum = 0;
-    for (size_t i = 0; i < (size_t)f->n_u_texels * STEP_TEXELS * 4; i++)
+    for (size_t i = 0; i < (size_t)f->n_u_texels * STEP_TEXELS * 4; i++) {
         sum += f->texels[i];
-    for (size_t i = 0; i < (size_t)f->n_units * STEP_VIEWS * STEP_LIGHTS * 4; i++)
+    }
+    for (size_t i = 0; i < (size_t)f->n_units * STEP_VIEWS * STEP_LIGHTS * 4; i++) {
         sum += f->directions[i];
-    for (size_t i = 0; i < 4 * (size_t)f->n_units; i++)
+    }
+    for (size_t i = 0; i < 4 * (size_t)f->n_units; i++) {
         FUZZ_CHECK(isfinite(f->scales[i]));
+    }
     FUZZ_CHECK(sum || !sum);
     enc_factors_destroy(&f);
 }
@@ -105,8 +114,9 @@ static void bake(const enc_relief_store *store) {
     enc_data *fitted = NULL;
     FUZZ_CHECK(enc_relief_level(store, data->width, data->height, 0, NULL, &surface) == BTF_OK);
     FUZZ_CHECK(enc_node_apply(&context, &tables, &relief, data, &fitted) == BTF_OK);
-    for (size_t i = 0; i < STEP_TEXELS * enc_data_texel_stride(data); i++)
+    for (size_t i = 0; i < STEP_TEXELS * enc_data_texel_stride(data); i++) {
         FUZZ_CHECK(isfinite(fitted->samples[i]));
+    }
     enc_data_destroy(&fitted);
     enc_warp_clear(&surface);
 }
@@ -125,8 +135,9 @@ static void check_relief(void) {
     FUZZ_CHECK(strlen(enc_relief_text(&choice, text)) < sizeof text);
     const bool gloss = store.effects & BTF_EFFECT_GLOSS, shares = store.gloss_share > 0;
     FUZZ_CHECK(store.gloss_share <= 2 && gloss == shares);
-    if (store.effects & BTF_EFFECT_RELIEF)
+    if (store.effects & BTF_EFFECT_RELIEF) {
         bake(&store);
+    }
     FUZZ_CHECK(enc_relief_step_keep(&context, data, &choice, &store) == BTF_OK);
     enc_relief_clear(&store);
 }
@@ -141,29 +152,32 @@ static void forget(void) {
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     uint8_t shadow[STEP_LIGHTS * STEP_TEXELS];
-    if (size == 0)
+    if (size == 0) {
         return 0;
+    }
     if (!data) {
         make_data();
         atexit(remove_data);
     }
     const unsigned step = bytes[0] % STEP_COUNT;
     enc_blob blob = {0};
-    if (step >= STEP_COMPONENTS && step <= STEP_MATCH)
+    if (step >= STEP_COMPONENTS && step <= STEP_MATCH) {
         forget();
+    }
     enc_blob_put(&blob, bytes + 1, size - 1);
     FUZZ_CHECK(enc_checkpoint_put(&context, step_names[step], &blob) == BTF_OK);
-    if (step == STEP_FIT)
+    if (step == STEP_FIT) {
         check_fit();
-    else if (step == STEP_SHADOW)
+    } else if (step == STEP_SHADOW) {
         enc_step_take_shadow(&context, data, shadow);
-    else if (step == STEP_FLOW || step == STEP_REFINE)
+    } else if (step == STEP_FLOW || step == STEP_REFINE) {
         check_occlusion(step_names[step]);
-    else if (step == STEP_CLUSTER)
+    } else if (step == STEP_CLUSTER) {
         check_cluster();
-    else if (step == STEP_RELIEF)
+    } else if (step == STEP_RELIEF) {
         check_relief();
-    else
+    } else {
         check_factors(step == STEP_MATCHED || step == STEP_MATCH);
+    }
     return 0;
 }

@@ -22,8 +22,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     btf_cost_model model;
     char *text = malloc(size ? size : 1); /* of that size, so that reading on is noticed */
     FUZZ_CHECK(text != NULL);
-    if (size)
+    if (size) {
         memcpy(text, data, size);
+    }
     const btf_result result = btf_cost_model_read(text, size, "costs", &log, &model);
     FUZZ_CHECK(result == BTF_OK || (result == BTF_ERROR_BAD_FILE && messages == 1));
     if (result == BTF_OK) {

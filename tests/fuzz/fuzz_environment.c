@@ -26,8 +26,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     for (size_t i = 0; i < list.count; i++) {
         const light *l = &list.lights[i];
         FUZZ_CHECK(!l->is_point && fabs(vec_length(l->at) - 1) < 1e-6);
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             FUZZ_CHECK(l->colour[c] >= 0 && isfinite(l->colour[c]));
+        }
     }
     light_list_clear(&list);
     return 0;

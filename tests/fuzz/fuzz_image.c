@@ -25,15 +25,17 @@
 #endif
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    if (size < sizeof MAGIC - 1 || memcmp(data, MAGIC, sizeof MAGIC - 1) != 0)
+    if (size < sizeof MAGIC - 1 || memcmp(data, MAGIC, sizeof MAGIC - 1) != 0) {
         return 0;
+    }
     char message[160] = "";
     enc_image image = {0};
     const btf_result result = enc_image_decode(data, size, &image, message, sizeof message);
     FUZZ_CHECK((result == BTF_OK) == (image.pixels != NULL));
     FUZZ_CHECK((result == BTF_OK) == (message[0] == '\0'));
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return 0;
+    }
     FUZZ_CHECK(image.width > 0 && image.height > 0);
     FUZZ_CHECK((size_t)image.width <= (size_t)ENC_IMAGE_MAX_PIXELS / (size_t)image.height);
     FUZZ_CHECK(image.channels == 1 || image.channels == 3);
@@ -41,8 +43,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const size_t bytes =
         (size_t)image.width * (size_t)image.height * (size_t)image.channels * (size_t)image.depth / 8;
     uint8_t sum = 0;
-    for (size_t i = 0; i < bytes; i++) /* every byte is there to be read */
+    for (size_t i = 0; i < bytes; i++) { /* every byte is there to be read */
         sum ^= ((const uint8_t *)image.pixels)[i];
+    }
     volatile uint8_t keep = sum;
     (void)keep;
     enc_image_clear(&image);

@@ -29,16 +29,18 @@ static void check_list(const char *path) {
         const char *name = batch.names[i];
         FUZZ_CHECK(name[0] && !strchr(name, '/') && strcmp(name, ".") != 0 && strcmp(name, "..") != 0);
         FUZZ_CHECK(batch.inputs[i][0] && !strchr(batch.inputs[i], '\n'));
-        for (size_t j = 0; j < i; j++)
+        for (size_t j = 0; j < i; j++) {
             FUZZ_CHECK(strcmp(batch.names[j], name) != 0);
+        }
     }
     enc_batch_clear(&batch);
 }
 
 static void check_table(const char *path, bool clockwise) {
     enc_direction list[4];
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         list[i] = enc_direction_from_angles(i ? 30 : 0, 90 * i);
+    }
     enc_data *data = NULL;
     FUZZ_CHECK(enc_data_create(&context, 1, 1, 4, list, 4, list, &data) == BTF_OK);
     const enc_read_options options = {.azimuth_cw = clockwise, .azimuth_offset = clockwise ? 90 : 0};
@@ -49,8 +51,9 @@ static void check_table(const char *path, bool clockwise) {
         const enc_moved_light *moved = &data->moved_light[v];
         const float *d = moved->actual.xyz;
         FUZZ_CHECK(moved->index < 4);
-        if (moved->index < 0)
+        if (moved->index < 0) {
             continue;
+        }
         FUZZ_CHECK(d[2] > 0 && fabsf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1) < 1e-5f);
         FUZZ_CHECK(moved->actual.phi >= 0 && moved->actual.phi < 360);
     }

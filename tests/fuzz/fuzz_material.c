@@ -27,8 +27,9 @@ static void decode_some(const btf_material *material) {
     FUZZ_CHECK(btf_material_get_info(material, &info) == BTF_OK);
     FUZZ_CHECK(info.levels >= 1 && info.levels <= BTF_MAX_LEVELS);
     btf_ref_material views[BTF_MAX_LEVELS];
-    for (uint32_t level = 0; level < info.levels; level++)
+    for (uint32_t level = 0; level < info.levels; level++) {
         reference_view(material, level, &views[level]);
+    }
     for (int i = 0; i < COUNT * COUNT; i++) {
         const btf_ref_options options = {i % 3 ? BTF_EFFECT_ALL : (uint32_t)i, i % 5 ? UINT32_MAX : 1,
                                          i % 2 ? BTF_REF_LINEAR : BTF_REF_NEAREST,
@@ -38,8 +39,9 @@ static void decode_some(const btf_material *material) {
         float rgb[3];
         btf_ref_evaluate(&views[(uint32_t)i % info.levels], &options, 0.31f * (float)i, -0.17f * (float)i,
                          directions[i / COUNT], directions[i % COUNT], rgb);
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             FUZZ_CHECK(isfinite(rgb[c]) && rgb[c] >= 0);
+        }
     }
 }
 

@@ -34,13 +34,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     errors = 0;
     const btf_result result = mesh_parse_obj("fuzz.obj", (const char *)data, size, &log, &m);
     FUZZ_CHECK((result == BTF_OK) == (m != NULL) && errors == (result != BTF_OK));
-    if (!m)
+    if (!m) {
         return 0;
+    }
     FUZZ_CHECK(m->triangle_count > 0 && m->vertex_count > 0 && m->vertex_count <= 3 * m->triangle_count);
-    for (uint32_t i = 0; i < 3 * m->triangle_count; i++)
+    for (uint32_t i = 0; i < 3 * m->triangle_count; i++) {
         FUZZ_CHECK(m->triangles[i] < m->vertex_count);
-    for (uint32_t i = 0; i < m->vertex_count; i++)
+    }
+    for (uint32_t i = 0; i < m->vertex_count; i++) {
         check_vertex(&m->vertices[i]);
+    }
     mesh_destroy(&m);
     return 0;
 }

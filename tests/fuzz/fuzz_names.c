@@ -12,8 +12,9 @@
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     char *path = malloc(size + 1);
     FUZZ_CHECK(path != NULL);
-    if (size)
+    if (size) {
         memcpy(path, data, size);
+    }
     path[size] = '\0';
     enc_name name;
     const enc_name_verdict verdict = enc_names_parse(path, &name);
@@ -24,8 +25,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         FUZZ_CHECK(isfinite(angles.theta_view) && isfinite(angles.phi_view));
     }
     double number = 0;
-    if (enc_names_number(path, size % 2, &number))
+    if (enc_names_number(path, size % 2, &number)) {
         FUZZ_CHECK(isfinite(number));
+    }
     FUZZ_CHECK(!(enc_names_is_image(path) && enc_names_is_foreign_image(path)));
     free(path);
     return 0;

@@ -122,8 +122,9 @@ static void check_values(void) {
         const light *l = &o.lights.lights[i];
         FUZZ_CHECK(isfinite(l->at.x) && isfinite(l->at.y) && isfinite(l->at.z));
         FUZZ_CHECK(l->is_point || fabs(vec_length(l->at) - 1) < 1e-6);
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             FUZZ_CHECK(l->colour[c] >= 0 && l->colour[c] <= 1e12);
+        }
     }
     FUZZ_CHECK(o.number >= -5 && o.number <= 1024);
     FUZZ_CHECK(o.choice >= 0 && o.choice < 3);
@@ -140,8 +141,9 @@ static void check_directions(const char *text) {
     enc_direction *list = NULL;
     int count = 0;
     const enc_context context = {.threads = 1};
-    if (directions_parse(&context, text, &list, &count) != BTF_OK)
+    if (directions_parse(&context, text, &list, &count) != BTF_OK) {
         return;
+    }
     FUZZ_CHECK(count >= 1 && count <= DIRECTIONS_MAX);
     for (int i = 0; i < count; i++) {
         char angle[16];
@@ -155,26 +157,30 @@ static void check_directions(const char *text) {
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     char *text = malloc(size + 1), *lines[MOST + 1] = {(char[]){"fuzz"}};
     FUZZ_CHECK(text != NULL);
-    if (size)
+    if (size) {
         memcpy(text, data, size);
+    }
     text[size] = '\0';
     int count = 1;
     for (char *line = text; line && count < MOST; line = strchr(line, '\n')) {
-        if (*line == '\n')
+        if (*line == '\n') {
             *line++ = '\0';
+        }
         lines[count++] = line;
     }
-    for (int i = 1; i < count; i++)
+    for (int i = 1; i < count; i++) {
         check_directions(lines[i]);
+    }
     memset(&o, 0, sizeof o);
     o.size[0] = o.size[1] = 1;
     o.real = 1;
     cli_arguments arguments = {0};
     int exit_code = -1;
-    if (cli_parse(&program, count, lines, &arguments, &exit_code))
+    if (cli_parse(&program, count, lines, &arguments, &exit_code)) {
         FUZZ_CHECK(arguments.count >= 0 && arguments.count <= 8);
-    else
+    } else {
         FUZZ_CHECK(exit_code == 0 || exit_code == 1);
+    }
     check_values();
     light_list_clear(&o.lights);
     free(text);

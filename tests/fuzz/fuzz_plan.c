@@ -25,8 +25,9 @@ typedef struct input {
 static void take(input *in, void *out, size_t size) {
     const size_t have = size < in->size ? size : in->size;
     memset(out, 0, size);
-    if (have)
+    if (have) {
         memcpy(out, in->data, have);
+    }
     in->data += have;
     in->size -= have;
 }
@@ -58,10 +59,11 @@ static btf_range range_of(input *in) {
         break;
     case 1:
         range.fixed = 1;
-        if (below(in, 4) == 0)
+        if (below(in, 4) == 0) {
             take(in, range.direction, sizeof range.direction);
-        else
+        } else {
             plan_angles((double)number(in, 0, 89.9f), (double)number(in, -360, 360), range.direction);
+        }
         break;
     default:
         range.theta[0] = number(in, 0, 90);
@@ -79,10 +81,12 @@ static size_t errors_of(input *in, const btf_material_info *info, float *out) {
     size_t n = 2;
     out[0] = (float)views;
     out[1] = (float)lights;
-    for (uint32_t i = 0; i <= views; i++)
+    for (uint32_t i = 0; i <= views; i++) {
         out[n++] = number(in, (float)i * 30, (float)i * 30 + 20);
-    for (uint32_t i = 0; i <= lights; i++)
+    }
+    for (uint32_t i = 0; i <= lights; i++) {
         out[n++] = number(in, (float)i * 40, (float)i * 40 + 30);
+    }
     for (uint32_t r = 0; r < rows; r++) {
         const uint32_t effects = r == 0 ? info->effects : byte(in) & info->effects;
         const bool residual = effects & BTF_EFFECT_RESIDUAL;
@@ -93,8 +97,9 @@ static size_t errors_of(input *in, const btf_material_info *info, float *out) {
         out[n++] = r == 0 ? 0 : (float)below(in, 5);
         out[n++] = (float)below(in, info->levels);
         out[n++] = number(in, 0, 1e6f);
-        for (uint32_t i = 0; i < 2 * views * lights; i++)
+        for (uint32_t i = 0; i < 2 * views * lights; i++) {
             out[n++] = number(in, 0, 1);
+        }
     }
     FUZZ_CHECK(n <= MOST_ERRORS);
     return rows ? n : 0;
@@ -116,8 +121,9 @@ static btf_material *material_of(input *in, random_state *r) {
         desc.info.colour = BTF_COLOUR_NONE;
         desc.info.lobes = 0;
     }
-    if (random_below(r, 2))
+    if (random_below(r, 2)) {
         factor_material_choose(r, &desc);
+    }
     if (below(in, 2)) {
         random_directions(r, views, 89, (float *)(uintptr_t)desc.views);
         random_directions(r, lights, 80, (float *)(uintptr_t)desc.lights);
@@ -187,8 +193,9 @@ static void check_restriction(random_state *r, const btf_material *whole, const 
     char *shader = NULL;
     FUZZ_CHECK(btf_shader_source(small, &plan->shader, NULL, &shader) == BTF_OK);
     btf_free(shader);
-    if (save)
+    if (save) {
         check_saved(r, whole, small, plan);
+    }
     btf_material_close(&small);
 }
 
@@ -244,21 +251,24 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         btf_scene scene = {.struct_size = sizeof scene, .view = range_of(&in), .light = range_of(&in)};
         const float tolerance = number(&in, 0, 3);
         scene.pixels = number(&in, 0, 3);
-        if (below(&in, 2))
+        if (below(&in, 2)) {
             take(&in, &scene.lights, sizeof scene.lights);
+        }
         scene.interpolate = (int)below(&in, 2);
         const bool good = is_range(&scene.view) && is_range(&scene.light) && is_number(tolerance) &&
                           is_number(scene.pixels);
         btf_plan plan = {0};
         FUZZ_CHECK(btf_plan_effects(whole, &scene, tolerance, &plan) == (good ? BTF_OK : BTF_ERROR_USAGE));
-        if (!good)
+        if (!good) {
             continue;
+        }
         check_plan(&plan, &info, tolerance);
         check_restriction(&r, whole, &plan, i == 0);
         check_made_plan(&in, &r, whole, &info, plan);
     }
-    if (info.layout == BTF_LAYOUT_PAPER)
+    if (info.layout == BTF_LAYOUT_PAPER) {
         check_tight(&r, whole, &info);
+    }
     btf_material_close(&whole);
     return 0;
 }

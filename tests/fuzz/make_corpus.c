@@ -60,8 +60,9 @@ static void write_material_file(const char *name, const btf_material_desc *desc)
     snprintf(file, sizeof file, "%s.exr", name);
     write_seed("material", file, data, size);
     edit_file *edit = edit_load(data, size);
-    for (int p = 0; p < edit->part_count; p++)
+    for (int p = 0; p < edit->part_count; p++) {
         edit->parts[p].compression = EXR_COMPRESSION_NONE;
+    }
     edit_save(edit, &plain, &plain_size);
     snprintf(file, sizeof file, "%s-plain.exr", name);
     write_seed("material", file, plain, plain_size);
@@ -93,8 +94,8 @@ static void write_material(const char *name, btf_layout layout, btf_colour colou
 /* One of version 2: a unit of each class, points packed where they can be, in lists of so many
  * entries where that is not 0, and a picture; or roots and no other store that is new. Relief acts on two
  * of three views, in a material cut from a finer one, and ends before level relief_end of 2. */
-static void write_version_2(const char *name, btf_layout layout, uint32_t effects, bool factors, uint32_t entries,
-                            uint32_t relief_end) {
+static void write_version_2(const char *name, btf_layout layout, uint32_t effects, bool factors,
+                            uint32_t entries, uint32_t relief_end) {
     static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{1, 1, 1}, {1, 2, 0}, {1}, {1, 0, 1}, {1}};
     uint16_t preview[2 * 2 * 4] = {0x3C00, 0x3800, 0x3400, 0, 0x3000};
     random_state r = {8};
@@ -143,8 +144,10 @@ static float slope(int c, int x, int y) {
 
 /* Luminance and chroma, halves: with and without alpha, chroma of every second pixel. */
 static void write_chroma(void) {
-    static const bytes_channel all[4] = {
-        {"A", BYTES_HALF, 1, 1}, {"BY", BYTES_HALF, 2, 2}, {"RY", BYTES_HALF, 2, 2}, {"Y", BYTES_HALF, 1, 1}};
+    static const bytes_channel all[4] = {{"A", BYTES_HALF, 1, 1},
+                                         {"BY", BYTES_HALF, 2, 2},
+                                         {"RY", BYTES_HALF, 2, 2},
+                                         {"Y", BYTES_HALF, 1, 1}};
     for (int alpha = 0; alpha < 2; alpha++) {
         bytes_part p = {.width = 6, .height = 4, .value = slope, .channel_count = 3 + alpha};
         memcpy(p.channels, all + 1 - alpha, (size_t)p.channel_count * sizeof *all);
@@ -166,23 +169,43 @@ static void write_exr(const char *name, const bytes_part *parts, int count) {
 /* Layers, parts, a spectrum, primaries and what else a header may say. */
 static void write_meanings(void) {
     static const float wide[8] = {0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f};
-    const bytes_channel b = {"B", BYTES_HALF, 1, 1}, g = {"G", BYTES_HALF, 1, 1}, r = {"R", BYTES_HALF, 1, 1};
-    bytes_part parts[2] = {{.name = "depth", .width = 3, .height = 2, .value = slope, .channel_count = 1,
+    const bytes_channel b = {"B", BYTES_HALF, 1, 1}, g = {"G", BYTES_HALF, 1, 1},
+                        r = {"R", BYTES_HALF, 1, 1};
+    bytes_part parts[2] = {{.name = "depth",
+                            .width = 3,
+                            .height = 2,
+                            .value = slope,
+                            .channel_count = 1,
                             .channels = {{"Z", BYTES_FLOAT, 1, 1}}},
-                           {.name = "beauty", .width = 3, .height = 2, .value = slope, .channel_count = 3,
+                           {.name = "beauty",
+                            .width = 3,
+                            .height = 2,
+                            .value = slope,
+                            .channel_count = 3,
                             .channels = {b, g, r}}};
     write_exr("parts.exr", parts, 2);
-    const bytes_part layer = {.width = 3, .height = 2, .value = slope, .channel_count = 3, .aspect = 2,
-                              .channels = {{"a.b", BYTES_HALF, 1, 1}, {"a.g", BYTES_HALF, 1, 1}, {"a.r", 0, 1, 1}},
-                              .attribute_count = 1,
-                              .attributes = {{"chromaticities", "chromaticities", wide, sizeof wide}}};
+    const bytes_part layer = {
+        .width = 3,
+        .height = 2,
+        .value = slope,
+        .channel_count = 3,
+        .aspect = 2,
+        .channels = {{"a.b", BYTES_HALF, 1, 1}, {"a.g", BYTES_HALF, 1, 1}, {"a.r", 0, 1, 1}},
+        .attribute_count = 1,
+        .attributes = {{"chromaticities", "chromaticities", wide, sizeof wide}}};
     write_exr("layer.exr", &layer, 1);
-    const bytes_part spectrum = {.width = 2, .height = 2, .value = slope, .channel_count = 4,
-                                 .channels = {{"T.400,5nm", BYTES_HALF, 1, 1}, {"T.500nm", BYTES_HALF, 1, 1},
-                                              {"T.600nm", BYTES_HALF, 1, 1}, {"T.700nm", BYTES_HALF, 1, 1}}};
+    const bytes_part spectrum = {.width = 2,
+                                 .height = 2,
+                                 .value = slope,
+                                 .channel_count = 4,
+                                 .channels = {{"T.400,5nm", BYTES_HALF, 1, 1},
+                                              {"T.500nm", BYTES_HALF, 1, 1},
+                                              {"T.600nm", BYTES_HALF, 1, 1},
+                                              {"T.700nm", BYTES_HALF, 1, 1}}};
     write_exr("spectrum.exr", &spectrum, 1);
-    static const char columns[] = "#?RADIANCE\nEXPOSURE=0\nCOLORCORR=1 2 4\nPRIMARIES=.68 .32 .265 .69 .15 .06 .3127 .329\n"
-                                  "GAMMA=2.2 \nPIXASPECT=2\n\n-X 2 +Y 1\nabc\200ABC\201";
+    static const char columns[] =
+        "#?RADIANCE\nEXPOSURE=0\nCOLORCORR=1 2 4\nPRIMARIES=.68 .32 .265 .69 .15 .06 .3127 .329\n"
+        "GAMMA=2.2 \nPIXASPECT=2\n\n-X 2 +Y 1\nabc\200ABC\201";
     write_seed("hdr", "columns.hdr", columns, sizeof columns - 1);
 }
 
@@ -337,15 +360,18 @@ static void write_steps(void) {
     enc_relief_choice choice;
     enc_relief_store relief;
     step_relief(data, &choice, &relief);
-    must(relief.heights && relief.views && enc_relief_step_keep(&context, data, &choice, &relief) == BTF_OK, "relief");
+    must(relief.heights && relief.views && enc_relief_step_keep(&context, data, &choice, &relief) == BTF_OK,
+         "relief");
     bool taken = false; /* a seed that is refused would show nothing of what is made of it */
     char reason[ENC_RELIEF_REASON];
     enc_relief_store again;
-    must(enc_relief_step_take(&context, data, &taken, &choice, reason, &again) == BTF_OK && taken, "relief");
+    must(enc_relief_step_take(&context, data, &taken, &choice, reason, &again) == BTF_OK && taken,
+         "relief");
     enc_relief_clear(&again);
     enc_relief_clear(&relief);
-    for (int step = 0; step < STEP_COUNT; step++)
+    for (int step = 0; step < STEP_COUNT; step++) {
         take_step(steps, step);
+    }
     enc_occlusion_destroy(&occlusion);
     enc_sbrdf_destroy(&sbrdf);
     enc_checkpoint_close(&context.checkpoint, true);

@@ -35,17 +35,20 @@ static size_t text_end(const uint8_t *data, size_t size, size_t at) {
 
 static bool read_layout(const uint8_t *data, size_t size, layout *l) {
     memset(l, 0, sizeof *l);
-    if (size < 9)
+    if (size < 9) {
         return false;
+    }
     const bool many = data[5] & 0x10;
     size_t at = 8;
     for (bool first = true; l->count < MOST_ATTRIBUTES;) {
-        if (at >= size)
+        if (at >= size) {
             return false;
+        }
         if (data[at] == 0) { /* the end of a header; of all when it is empty or the only one */
             at++;
-            if (!many || first)
+            if (!many || first) {
                 break;
+            }
             first = true;
             continue;
         }
@@ -53,12 +56,15 @@ static bool read_layout(const uint8_t *data, size_t size, layout *l) {
         attribute *a = &l->attributes[l->count];
         int32_t bytes;
         a->begin = at;
-        if (!(a->type = text_end(data, size, at)) || !(at = text_end(data, size, a->type)) || size - at < 4)
+        if (!(a->type = text_end(data, size, at)) || !(at = text_end(data, size, a->type)) ||
+            size - at < 4) {
             return false;
+        }
         memcpy(&bytes, data + at, 4);
         a->value = at + 4;
-        if (bytes < 0 || (size_t)bytes > size - a->value)
+        if (bytes < 0 || (size_t)bytes > size - a->value) {
             return false;
+        }
         at = a->end = a->value + (size_t)bytes;
         int32_t chunks;
         if (!strcmp((const char *)data + a->begin, "chunkCount") && bytes == 4) {
@@ -68,8 +74,9 @@ static bool read_layout(const uint8_t *data, size_t size, layout *l) {
         l->count++;
     }
     l->table = at;
-    if (l->chunks > (size - at) / 8)
+    if (l->chunks > (size - at) / 8) {
         l->chunks = (size - at) / 8;
+    }
     return l->count > 0;
 }
 
@@ -78,8 +85,9 @@ static bool read_layout(const uint8_t *data, size_t size, layout *l) {
 static size_t make_room(uint8_t *data, size_t size, size_t max_size, const layout *l, size_t end,
                         long more) {
     const size_t moved = (size_t)((long)size + more);
-    if (moved > max_size)
+    if (moved > max_size) {
         return 0;
+    }
     memmove(data + (long)end + more, data + end, size - end);
     for (size_t i = 0; i < l->chunks; i++) {
         uint64_t offset;
@@ -103,9 +111,10 @@ static void put_number(uint8_t *data, const attribute *a, uint32_t *state) {
         16385,      65535,      65536,      0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 0x3F800000, 0x7F800000,
         0x7FC00000, 0x80000001, 0x33800000, 0x33000000, 0x4B800000, 0x4C000000, 0x477FE000, 0x38800000};
     const size_t words = (a->end - a->value) / 4;
-    if (words)
+    if (words) {
         memcpy(data + a->value + 4 * (random_next(state) % words),
                &numbers[random_next(state) % (sizeof numbers / sizeof *numbers)], 4);
+    }
 }
 
 /* Replaces the value by `bytes` of `value`. */
@@ -113,8 +122,9 @@ static size_t put_value(uint8_t *data, size_t size, size_t max_size, const layou
                         const uint8_t *value, size_t bytes) {
     const size_t moved =
         make_room(data, size, max_size, l, a->end, (long)bytes - (long)(a->end - a->value));
-    if (!moved)
+    if (!moved) {
         return size;
+    }
     memcpy(data + a->value, value, bytes);
     put_size(data, a, bytes);
     return moved;
@@ -133,12 +143,14 @@ static size_t mutate_attribute(uint8_t *data, size_t size, size_t max_size, cons
         put_number(data, a, state);
         return size;
     case 2:
-        if (bytes)
+        if (bytes) {
             LLVMFuzzerMutate(data + a->value, bytes, bytes);
+        }
         return size;
     case 3:
-        if (bytes > sizeof buffer / 2)
+        if (bytes > sizeof buffer / 2) {
             return size;
+        }
         memcpy(buffer, data + a->value, bytes);
         n = LLVMFuzzerMutate(buffer, bytes, 2 * bytes + 16);
         return put_value(data, size, max_size, l, a, buffer, n);
@@ -146,13 +158,15 @@ static size_t mutate_attribute(uint8_t *data, size_t size, size_t max_size, cons
         return make_room(data, size, max_size, l, a->end, -(long)whole);
     case 5: /* twice */
         moved = make_room(data, size, max_size, l, a->end, (long)whole);
-        if (moved)
+        if (moved) {
             memcpy(data + a->end, data + a->begin, whole);
+        }
         return moved ? moved : size;
     case 6: /* the value of another one */
         n = b->end - b->value;
-        if (n > sizeof buffer)
+        if (n > sizeof buffer) {
             return size;
+        }
         memcpy(buffer, data + b->value, n);
         return put_value(data, size, max_size, l, a, buffer, n);
     default: /* name and type, zeros included */
@@ -165,8 +179,9 @@ size_t fuzz_mutate_exr(uint8_t *data, size_t size, size_t max_size, unsigned see
     static layout l;
     uint32_t state = seed * 2654435761u + 1;
     const uint32_t kind = random_next(&state) % 8;
-    if (kind == 0 || !read_layout(data, size, &l))
+    if (kind == 0 || !read_layout(data, size, &l)) {
         return LLVMFuzzerMutate(data, size, max_size);
+    }
     if (kind < 3 && l.table < size) { /* offsets and chunks, their sizes kept */
         const size_t at = l.table + random_next(&state) % (size - l.table);
         const size_t n = 1 + random_next(&state) % 64;

@@ -7,9 +7,8 @@
 #include <openbtf/material.h>
 #include <stdlib.h>
 
-const char *const step_names[STEP_COUNT] = {"fit",     "shadow",       "flow",      "refine",
-                                           "cluster", "components-0", "factors-0", "matched-0", "match-0",
-                                           "relief"};
+const char *const step_names[STEP_COUNT] = {"fit",          "shadow",    "flow",      "refine",  "cluster",
+                                            "components-0", "factors-0", "matched-0", "match-0", "relief"};
 
 enc_factor_options step_factors(bool match) {
     return (enc_factor_options){.budget = 2048,
@@ -23,10 +22,12 @@ enc_data *step_data(const enc_context *context) {
     const enc_direction list[2] = {enc_direction_from_angles(0, 0), enc_direction_from_angles(45, 90)};
     enc_data *data = NULL;
     if (enc_data_create(context, STEP_SIDE, STEP_SIDE, STEP_VIEWS, list, STEP_LIGHTS, list, &data) !=
-        BTF_OK)
+        BTF_OK) {
         return NULL;
-    for (int i = 0; i < STEP_TEXELS * STEP_VIEWS * STEP_LIGHTS * 3; i++)
+    }
+    for (int i = 0; i < STEP_TEXELS * STEP_VIEWS * STEP_LIGHTS * 3; i++) {
         data->samples[i] = (float)(i * 37 % 101) / 101;
+    }
     return data;
 }
 

@@ -61,11 +61,13 @@ static const char *parse_orbit(const char *text, void *value) {
                                                              : PAIRS_NO_ORBIT;
     const char *end = NULL;
     if (*orbit == PAIRS_NO_ORBIT || !cli_parse_int(colon + 1, ":", &options.frames, &end) ||
-        options.frames < 1 || options.frames > PAIRS_MAX)
+        options.frames < 1 || options.frames > PAIRS_MAX) {
         return expected;
+    }
     if (*end == ':' && (!cli_parse_double(end + 1, "", &options.orbit_theta, NULL) ||
-                        !(options.orbit_theta > 0 && options.orbit_theta <= 85)))
+                        !(options.orbit_theta > 0 && options.orbit_theta <= 85))) {
         return expected;
+    }
     return NULL;
 }
 
@@ -73,8 +75,9 @@ static const char *parse_orbit(const char *text, void *value) {
 static const char *parse_size(const char *text, void *value) {
     int *size = value, end = 0;
     if (sscanf(text, "%5dx%5d%n", &size[0], &size[1], &end) != 2 || text[end]) {
-        if (sscanf(text, "%5d%n", &size[0], &end) != 1 || text[end])
+        if (sscanf(text, "%5d%n", &size[0], &end) != 1 || text[end]) {
             return "N or WIDTHxHEIGHT";
+        }
         size[1] = size[0];
     }
     return size[0] >= 1 && size[0] <= 8192 && size[1] >= 1 && size[1] <= 8192 ? NULL : "sides of 1 to 8192";
@@ -223,23 +226,28 @@ static const cli_program program = {
 
 static btf_result make_folder(const char *path, btf_log log) {
     char *part = strdup(path);
-    if (!part)
+    if (!part) {
         return BTF_ERROR_MEMORY;
+    }
     int failed = 0;
-    for (char *at = part + 1; !failed; ++at)
+    for (char *at = part + 1; !failed; ++at) {
         if (*at == '/' || *at == '\0') {
             char was = *at;
             *at = '\0';
-            if (mkdir(part, 0777) != 0 && errno != EEXIST)
+            if (mkdir(part, 0777) != 0 && errno != EEXIST) {
                 failed = errno;
+            }
             *at = was;
-            if (!was)
+            if (!was) {
                 break;
+            }
         }
+    }
     free(part);
     enc_context context = {.log = log};
-    if (failed)
+    if (failed) {
         return enc_fail(&context, BTF_ERROR_IO, "%s: cannot make the folder: %s", path, strerror(failed));
+    }
     return BTF_OK;
 }
 
@@ -256,10 +264,11 @@ static int code_of(double x, const double *thresholds, int levels) {
     int low = 0, high = levels - 1;
     while (low < high) {
         int middle = (low + high) / 2;
-        if (x >= thresholds[middle])
+        if (x >= thresholds[middle]) {
             low = middle + 1;
-        else
+        } else {
             high = middle;
+        }
     }
     return low;
 }
@@ -276,19 +285,23 @@ typedef struct job {
 static btf_result write_image(const job *j, const char *path, const float *rgb, void *codes) {
     const sample_options *o = sample_scene_options(j->scene);
     const size_t count = 3 * (size_t)o->width * (size_t)o->height;
-    if (options.format == FORMAT_EXR)
+    if (options.format == FORMAT_EXR) {
         return exr_image_write(path, o->width, o->height, rgb, false, j->log);
+    }
     if (options.format == FORMAT_PNG16) {
         unsigned short *wide = codes;
-        for (size_t i = 0; i < count; ++i)
+        for (size_t i = 0; i < count; ++i) {
             wide[i] = (unsigned short)code_of(rgb[i], j->thresholds, j->levels);
+        }
         return png_image_write16(path, o->width, o->height, wide, j->log);
     }
     unsigned char *bytes = codes;
-    for (size_t i = 0; i < count; ++i)
+    for (size_t i = 0; i < count; ++i) {
         bytes[i] = (unsigned char)code_of(rgb[i], j->thresholds, j->levels);
-    if (options.format == FORMAT_JPEG)
+    }
+    if (options.format == FORMAT_JPEG) {
         return jpeg_image_write(path, o->width, o->height, bytes, options.quality, j->log);
+    }
     return png_image_write8(path, o->width, o->height, bytes, j->log);
 }
 
@@ -296,8 +309,9 @@ static btf_result write_image(const job *j, const char *path, const float *rgb, 
 static btf_result write_view(const job *j, int view, float *images, void *codes) {
     const sample_options *o = sample_scene_options(j->scene);
     btf_result result = sample_scene_view(j->scene, view, images, j->truth);
-    if (result != BTF_OK || view == o->n_views)
+    if (result != BTF_OK || view == o->n_views) {
         return result;
+    }
     char tv[16], pv[16], tl[16], pl[16], path[PATH_MAX];
     directions_format_angle(o->views[view].theta, tv);
     directions_format_angle(o->views[view].phi, pv);
@@ -309,8 +323,9 @@ static btf_result write_view(const job *j, int view, float *images, void *codes)
         snprintf(path, sizeof path, "%s/tv%s_pv%s/%05d tl%s pl%s tv%s pv%s.%s", options.out, tv, pv,
                  o->n_views * light + view, tl, pl, tv, pv, EXTENSIONS[options.format]);
         result = write_image(j, path, images + 3 * (size_t)light * o->width * o->height, codes);
-        if (result == BTF_OK && progress_cancelled())
+        if (result == BTF_OK && progress_cancelled()) {
             result = BTF_ERROR_INTERRUPTED;
+        }
     }
     return result;
 }
@@ -330,8 +345,9 @@ static btf_result write_views(const job *j, const enc_context *context) {
             btf_result so_far;
 #pragma omp critical(sample_write)
             so_far = result;
-            if (so_far != BTF_OK)
+            if (so_far != BTF_OK) {
                 continue;
+            }
             btf_result one = !images || !codes        ? BTF_ERROR_MEMORY
                              : enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
                                                       : write_view(j, view, images, codes);
@@ -345,8 +361,9 @@ static btf_result write_views(const job *j, const enc_context *context) {
         free(codes);
     }
     enc_stage_end(context);
-    if (result == BTF_ERROR_MEMORY)
+    if (result == BTF_ERROR_MEMORY) {
         enc_fail(context, result, "out of memory for the %d images of a view", o->n_lights);
+    }
     return result;
 }
 
@@ -367,15 +384,17 @@ static btf_result write_pairs(const job *j, const enc_context *context, const sa
             char name[PAIRS_NAME], path[PATH_MAX];
 #pragma omp critical(sample_write)
             one = result;
-            if (one == BTF_OK)
+            if (one == BTF_OK) {
                 one = !image || !codes ? BTF_ERROR_MEMORY
                       : enc_cancelled(context)
                           ? BTF_ERROR_INTERRUPTED
                           : sample_scene_pair(j->scene, &pairs[i].view, &pairs[i].light, image);
+            }
             pairs_name(&pairs[i], options.orbit ? i : -1, name);
             snprintf(path, sizeof path, "%s/%s.%s", options.out, name, EXTENSIONS[options.format]);
-            if (one == BTF_OK)
+            if (one == BTF_OK) {
                 one = write_image(j, path, image, codes);
+            }
             if (one != BTF_OK) {
 #pragma omp critical(sample_write)
                 result = one;
@@ -395,21 +414,25 @@ static bool is_between(void) {
 
 /* Options that do not go together. */
 static btf_result check_between(const enc_context *context) {
-    if ((options.between != 0) + (options.pairs != NULL) + (options.orbit != PAIRS_NO_ORBIT) > 1)
+    if ((options.between != 0) + (options.pairs != NULL) + (options.orbit != PAIRS_NO_ORBIT) > 1) {
         return enc_fail(context, BTF_ERROR_USAGE, "one of --between, --pairs and --orbit is enough");
-    if (is_between() && (options.truth || options.views || options.lights))
+    }
+    if (is_between() && (options.truth || options.views || options.lights)) {
         return enc_fail(context, BTF_ERROR_USAGE, "--%s is for a grid, not for single pairs",
                         options.truth   ? "truth"
                         : options.views ? "views"
                                         : "lights");
-    if (options.fixed[0] > 85)
+    }
+    if (options.fixed[0] > 85) {
         return enc_fail(context, BTF_ERROR_USAGE, "--fixed: theta %g is not in 0..85", options.fixed[0]);
+    }
     return BTF_OK;
 }
 
 static btf_result make_pairs(const enc_context *context, sample_pair **out_pairs, int *out_count) {
-    if (options.pairs)
+    if (options.pairs) {
         return pairs_read(context, options.pairs, out_pairs, out_count);
+    }
     *out_count = options.orbit ? options.frames : options.between;
     return options.orbit
                ? pairs_turn(context, options.orbit, options.frames, options.orbit_theta,
@@ -422,15 +445,19 @@ static btf_result run_pairs(job *j, const enc_context *context) {
     sample_pair *pairs = NULL;
     int count = 0;
     btf_result result = make_pairs(context, &pairs, &count);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = make_folder(options.out, context->log);
-    if (result == BTF_OK && options.orbit)
+    }
+    if (result == BTF_OK && options.orbit) {
         result = pairs_write_table(context, options.out, EXTENSIONS[options.format], pairs, count);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = write_pairs(j, context, pairs, count);
-    if (result == BTF_OK && !options.quiet)
+    }
+    if (result == BTF_OK && !options.quiet) {
         printf("%s: %s, %dx%d texels, %d pairs of view and light\n", options.out,
                relief_kind_name((relief_kind)options.relief), options.size[0], options.size[1], count);
+    }
     free(pairs);
     return result;
 }
@@ -439,25 +466,31 @@ static btf_result run_pairs(job *j, const enc_context *context) {
 static btf_result run_grid(job *j, const enc_context *context) {
     const sample_options *o = sample_scene_options(j->scene);
     btf_result result = make_folder(options.out, context->log);
-    if (result == BTF_OK && options.truth)
+    if (result == BTF_OK && options.truth) {
         result = make_folder(options.truth, context->log);
-    if (result == BTF_OK && options.truth)
+    }
+    if (result == BTF_OK && options.truth) {
         result = sample_truth_create(j->scene, &j->truth);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = write_views(j, context);
-    if (result == BTF_OK && j->truth)
+    }
+    if (result == BTF_OK && j->truth) {
         result = truth_files_write(j->scene, j->truth, options.truth);
-    if (result == BTF_OK && !options.quiet)
+    }
+    if (result == BTF_OK && !options.quiet) {
         printf("%s: %s, %dx%d texels, %d views, %d lights, depth %.4f%s%s\n", options.out,
                relief_kind_name(o->relief), o->width, o->height, o->n_views, o->n_lights,
                sample_scene_relief(j->scene)->depth, options.truth ? ", truth in " : "",
                options.truth ? options.truth : "");
+    }
     return result;
 }
 
 static btf_result run(const enc_context *context) {
-    if (is_between() && !options.has_format)
+    if (is_between() && !options.has_format) {
         options.format = FORMAT_EXR;
+    }
     job j = {.log = context->log, .levels = options.format == FORMAT_PNG16 ? 65536 : 256};
     sample_scene *scene = NULL;
     enc_direction *views = NULL, *lights = NULL;
@@ -470,16 +503,20 @@ static btf_result run(const enc_context *context) {
                         .grid = options.grid};
     const char *list = is_between() ? "0:1" : options.directions; /* pairs have directions of their own */
     btf_result result = check_between(context);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = directions_parse(context, options.views ? options.views : list, &views, &o.n_views);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = directions_parse(context, options.lights ? options.lights : list, &lights, &o.n_lights);
+    }
     o.views = views;
     o.lights = lights;
-    if (result == BTF_OK && strlen(options.out) > PATH_MAX - 128)
+    if (result == BTF_OK && strlen(options.out) > PATH_MAX - 128) {
         result = enc_fail(context, BTF_ERROR_USAGE, "-o: the path is longer than %d", PATH_MAX - 128);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = sample_scene_create(&o, &scene);
+    }
     if (result == BTF_OK) {
         j.scene = scene;
         j.thresholds = malloc((size_t)j.levels * sizeof *j.thresholds);
@@ -500,13 +537,16 @@ static btf_result run(const enc_context *context) {
 int main(int argc, char **argv) {
     cli_arguments arguments;
     int exit_code;
-    if (!cli_parse(&program, argc, argv, &arguments, &exit_code))
+    if (!cli_parse(&program, argc, argv, &arguments, &exit_code)) {
         return exit_code;
-    if (!options.out || !*options.out)
+    }
+    if (!options.out || !*options.out) {
         return cli_finish(&program, cli_error(&program, BTF_ERROR_USAGE, "-o DIR is missing"));
+    }
     progress *p = progress_create(options.quiet);
-    if (!p)
+    if (!p) {
         return cli_finish(&program, cli_error(&program, BTF_ERROR_MEMORY, "out of memory"));
+    }
     enc_context context = {.log = cli_log(&program, options.quiet),
                            .progress = p,
                            .threads = options.threads ? options.threads : omp_get_num_procs()};

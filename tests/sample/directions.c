@@ -25,16 +25,18 @@ static double rounded(double degrees) {
 }
 
 void directions_format_angle(double degrees, char *buffer) {
-    if (fabs(degrees - nearbyint(degrees)) < 5e-5)
+    if (fabs(degrees - nearbyint(degrees)) < 5e-5) {
         snprintf(buffer, 16, "%03.0f", degrees);
-    else
+    } else {
         snprintf(buffer, 16, "%08.4f", degrees);
+    }
 }
 
 static int by_theta_then_phi(const void *a, const void *b) {
     const enc_direction *p = a, *q = b;
-    if (p->theta != q->theta)
+    if (p->theta != q->theta) {
         return p->theta < q->theta ? -1 : 1;
+    }
     return p->phi < q->phi ? -1 : p->phi > q->phi;
 }
 
@@ -55,33 +57,41 @@ static const char *parse_rings(const char *text, enc_direction *out, int *out_co
     for (const char *at = text;;) {
         char *end;
         double theta = rounded(strtod(at, &end)), offset = 0;
-        if (end == at || *end != ':')
+        if (end == at || *end != ':') {
             return "expected THETA:COUNT";
-        if (!(theta >= 0 && theta <= 85))
+        }
+        if (!(theta >= 0 && theta <= 85)) {
             return "theta is not in 0..85";
-        if (!(theta > last_theta))
+        }
+        if (!(theta > last_theta)) {
             return "theta does not rise";
+        }
         at = end + 1;
         long ring = strtol(at, &end, 10);
-        if (end == at || ring < 1 || ring > DIRECTIONS_MAX - count)
+        if (end == at || ring < 1 || ring > DIRECTIONS_MAX - count) {
             return "a ring needs a count of at least 1, all rings 256 at most";
-        if (theta == 0 && ring != 1)
+        }
+        if (theta == 0 && ring != 1) {
             return "the ring at theta 0 has 1 direction";
+        }
         if (*end == ':') {
             at = end + 1;
             offset = strtod(at, &end);
-            if (end == at || !(offset >= 0 && offset < 360))
+            if (end == at || !(offset >= 0 && offset < 360)) {
                 return "an azimuth offset is not in 0..360";
+            }
         }
         for (long i = 0; i < ring; ++i) {
             double phi = rounded(fmod(offset + 360.0 * (double)i / (double)ring, 360));
             out[count++] = enc_direction_from_angles(theta, theta > 0 && phi < 360 ? phi : 0);
         }
         last_theta = theta;
-        if (*end == '\0')
+        if (*end == '\0') {
             break;
-        if (*end != ',')
+        }
+        if (*end != ',') {
             return "expected a comma between rings";
+        }
         at = end + 1;
     }
     *out_count = count;
@@ -91,8 +101,9 @@ static const char *parse_rings(const char *text, enc_direction *out, int *out_co
 btf_result directions_parse(const enc_context *context, const char *text, enc_direction **out_directions,
                             int *out_count) {
     enc_direction *list = malloc(DIRECTIONS_MAX * sizeof *list);
-    if (!list)
+    if (!list) {
         return enc_fail(context, BTF_ERROR_MEMORY, "directions: out of memory");
+    }
     int count = 0;
     char *end;
     long number = strtol(text, &end, 10);
@@ -101,9 +112,11 @@ btf_result directions_parse(const enc_context *context, const char *text, enc_di
         make_spiral(count, list);
     } else {
         const char *rings = text;
-        for (size_t s = 0; s < sizeof SETS / sizeof *SETS; ++s)
-            if (strcmp(text, SETS[s].name) == 0)
+        for (size_t s = 0; s < sizeof SETS / sizeof *SETS; ++s) {
+            if (strcmp(text, SETS[s].name) == 0) {
                 rings = SETS[s].rings;
+            }
+        }
         const char *wrong = parse_rings(rings, list, &count);
         if (wrong) {
             free(list);

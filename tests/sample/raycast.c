@@ -24,28 +24,34 @@ static patch patch_at(const relief *r, int i, int j) {
 /* The smallest t of [t0, t1] where q2 t^2 + q1 t + q0 reaches 0 from below, or a negative number. */
 static double first_root(double q2, double q1, double q0, double t0, double t1) {
     double f0 = (q2 * t0 + q1) * t0 + q0;
-    if (f0 >= 0)
+    if (f0 >= 0) {
         return t0;
+    }
     double roots[2];
     int count = 0;
     if (q2 == 0) {
-        if (q1 != 0)
+        if (q1 != 0) {
             roots[count++] = -q0 / q1;
+        }
     } else {
         double discriminant = q1 * q1 - 4 * q2 * q0;
         if (discriminant >= 0) {
             double s = -0.5 * (q1 + copysign(sqrt(discriminant), q1));
-            if (s != 0)
+            if (s != 0) {
                 roots[count++] = q0 / s;
+            }
             roots[count++] = s / q2;
         }
     }
     double best = -1;
-    for (int k = 0; k < count; ++k)
-        if (roots[k] >= t0 && roots[k] <= t1 && (best < 0 || roots[k] < best))
+    for (int k = 0; k < count; ++k) {
+        if (roots[k] >= t0 && roots[k] <= t1 && (best < 0 || roots[k] < best)) {
             best = roots[k];
-    if (best < 0 && (q2 * t1 + q1) * t1 + q0 >= 0)
+        }
+    }
+    if (best < 0 && (q2 * t1 + q1) * t1 + q0 >= 0) {
         best = t1; /* crossed within rounding of the far end */
+    }
     return best;
 }
 
@@ -65,8 +71,9 @@ raycast_hit raycast_view(const relief *r, double x, double y, const double v[3])
     patch p = {0, 0, 0, 0};
     while (true) {
         double exit = fmin(fmin(next_x, next_y), r->depth);
-        if (exit < t)
+        if (exit < t) {
             exit = t;
+        }
         if (r->cell_max[(size_t)(j & mask) * n + (i & mask)] >= -exit) {
             p = patch_at(r, i, j);
             double u = gx - i, w = gy - j;
@@ -74,8 +81,9 @@ raycast_hit raycast_view(const relief *r, double x, double y, const double v[3])
             double q1 = p.a * sx + p.b * sy + p.c * (u * sy + w * sx) + 1;
             hit = first_root(p.c * sx * sy, q1, q0, t, exit);
         }
-        if (hit >= 0)
+        if (hit >= 0) {
             break;
+        }
         if (exit >= r->depth) { /* at the lowest height: the surface, within rounding */
             p = patch_at(r, i, j);
             hit = exit;
@@ -131,8 +139,9 @@ btf_result raycast_shadow_create(const relief *r, const double l[3], raycast_sha
         raycast_shadow_destroy(out_shadow);
         return BTF_ERROR_MEMORY;
     }
-    for (int j = 0; j < n; ++j)
+    for (int j = 0; j < n; ++j) {
         shadow[j] = (float)(-2 * r->depth - drop);
+    }
     const float fall = (float)drop, low = (float)out_shadow->low, scale = (float)(1 / out_shadow->step);
     for (int k = n + warm_up - 1; k >= 0; --k) {
         /* shadow := the shadow's height at line k, from the one at line k + 1 and the relief there. */
@@ -145,8 +154,9 @@ btf_result raycast_shadow_create(const relief *r, const double l[3], raycast_sha
             float h = line[j] + part * (line[j + 1] - line[j]);
             shadow[j] = (h > shadow[j] ? h : shadow[j]) - fall;
         }
-        if (k >= n)
+        if (k >= n) {
             continue;
+        }
         memcpy(shadow + n, shadow, (size_t)n * sizeof *shadow);
         shadow[2 * n] = shadow[0];
         offset = -k * drift;
@@ -165,15 +175,17 @@ btf_result raycast_shadow_create(const relief *r, const double l[3], raycast_sha
 }
 
 void raycast_shadow_destroy(raycast_shadow *shadow) {
-    if (!shadow)
+    if (!shadow) {
         return;
+    }
     free(shadow->height);
     shadow->height = NULL;
 }
 
 bool raycast_lit(const raycast_shadow *shadow, const double position[3]) {
-    if (shadow->none)
+    if (shadow->none) {
         return true;
+    }
     const int n = shadow->grid, mask = n - 1;
     double gx = position[shadow->transposed ? 1 : 0] * n, gy = position[shadow->transposed ? 0 : 1] * n;
     double fx = floor(gx), fy = floor(gy);

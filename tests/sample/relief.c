@@ -33,8 +33,9 @@ static double wrap_unit(double x) {
 
 /* albedo = from + t * (to - from), times scale. */
 static void blend(double out[3], const double from[3], const double to[3], double t, double scale) {
-    for (int c = 0; c < 3; ++c)
+    for (int c = 0; c < 3; ++c) {
         out[c] = clamp((from[c] + t * (to[c] - from[c])) * scale, 0.01, 1);
+    }
 }
 
 static void set_gloss(relief_material *m, double r, double g, double b, int exponent) {
@@ -79,8 +80,9 @@ static brick brick_at(uint32_t seed, double x, double y) {
 static double bricks_height(uint32_t seed, double x, double y) {
     brick b = brick_at(seed, x, y);
     double mortar = -BRICK_DEPTH + 0.005 * noise_fractal(seed + 1, x, y, 16, 16, 3);
-    if (b.inside <= 0)
+    if (b.inside <= 0) {
         return mortar;
+    }
     double t = 1 - fmin(b.inside / BEVEL, 1);
     double profile = sqrt(sqrt(1 - t * t * t * t));
     double top = -0.008 * noise_hash(seed, b.course, b.index, 0);
@@ -136,25 +138,29 @@ static pebble pebble_layer(uint32_t seed, double x, double y, int layer, pebble 
     double px = wrap_unit(x + 0.5 * layer / PEBBLES) * PEBBLES,
            py = wrap_unit(y + 0.5 * layer / PEBBLES) * PEBBLES;
     int ci = (int)px, cj = (int)py;
-    for (int dj = -1; dj <= 1; ++dj)
+    for (int dj = -1; dj <= 1; ++dj) {
         for (int di = -1; di <= 1; ++di) {
             int i = (ci + di + PEBBLES) % PEBBLES, j = (cj + dj + PEBBLES) % PEBBLES;
             double ox = px - (ci + di + 0.5 + 0.7 * (noise_hash(seed, i, j, 0) - 0.5));
             double oy = py - (cj + dj + 0.5 + 0.7 * (noise_hash(seed, i, j, 1) - 0.5));
-            if (ox * ox + oy * oy >= largest * largest)
+            if (ox * ox + oy * oy >= largest * largest) {
                 continue;
+            }
             double angle = pi * noise_hash(seed, i, j, 2), c = cos(angle), s = sin(angle);
             double long_axis = largest * (0.8 + 0.2 * noise_hash(seed, i, j, 3));
             double short_axis = long_axis * (0.68 + 0.28 * noise_hash(seed, i, j, 4));
             double u = (c * ox + s * oy) / long_axis, w = (c * oy - s * ox) / short_axis;
             double q = u * u + w * w;
-            if (q >= 1)
+            if (q >= 1) {
                 continue;
+            }
             double rise = PEBBLE_DEPTH * (layer ? 0.55 : 0.75) * (1 + 0.33 * noise_hash(seed, i, j, 5));
             double height = rise * sqrt(1 - q);
-            if (height > best.height)
+            if (height > best.height) {
                 best = (pebble){i, j, layer, height};
+            }
         }
+    }
     return best;
 }
 
@@ -184,8 +190,9 @@ static void bumps_material(uint32_t seed, double x, double y, relief_material *m
     double band = noise_fractal(seed + 3, x, y, 9, 9, 2) + 0.3 * fine;
     blend(m->albedo, stone[colour], stone[(colour + 1) % 6], clamp(0.5 + 0.7 * band, 0, 1) * 0.5,
           shade * (0.85 + 0.25 * fine));
-    if (noise_hash(own, p.i, p.j, 8) < 0.4)
+    if (noise_hash(own, p.i, p.j, 8) < 0.4) {
         blend(m->albedo, m->albedo, vein, smoothstep(0.10, 0.02, fabs(band - 0.1)) * 0.7, 1);
+    }
     double gloss = 0.15 + 0.35 * noise_hash(own, p.i, p.j, 9);
     set_gloss(m, gloss, gloss, gloss, 14);
 }
@@ -214,10 +221,11 @@ static thread_point thread_at(uint32_t seed, bool warp, double along, double pos
     t.across = (lane - t.index - 0.5 + wobble) / (0.5 * width);
     double phase = cos(pi * (along * THREADS - 0.5)) * ((t.index & 1) == (warp ? 0 : 1) ? 1 : -1);
     double fibre = 0.0016 * sin(2 * pi * (40 * along + 0.9 * t.across));
-    if (fabs(t.across) >= 1)
+    if (fabs(t.across) >= 1) {
         t.height = -1;
-    else
+    } else {
         t.height = THREAD_RISE * phase + THREAD_ROUND * sqrt(1 - t.across * t.across) + fibre;
+    }
     return t;
 }
 
@@ -242,10 +250,11 @@ static void weave_material(uint32_t seed, double x, double y, relief_material *m
     double worn = noise_fractal(seed + 8, x, y, 12, 12, 3);
     double scale =
         (0.72 + 0.36 * fibre) * (0.85 + 0.3 * noise_hash(seed, t.index, t.warp, 2)) * (1 + 0.3 * worn);
-    if (t.warp)
+    if (t.warp) {
         blend(m->albedo, indigo, navy, own, scale);
-    else
+    } else {
         blend(m->albedo, cream, ochre, own * own, scale);
+    }
     double gloss = t.warp ? 0.22 : 0.16;
     set_gloss(m, gloss * (0.6 + 0.4 * m->albedo[0]), gloss * (0.6 + 0.4 * m->albedo[1]),
               gloss * (0.6 + 0.4 * m->albedo[2]), 8);
@@ -290,12 +299,13 @@ static double axes_height(uint32_t seed, double x, double y) {
     x = wrap_unit(x);
     y = wrap_unit(y);
     double h = -RELIEF_AXES_DEPTH;
-    if (on_post(x, y))
+    if (on_post(x, y)) {
         h = 0;
-    else if (x >= 51.0 / 64 && x <= 54.0 / 64 && y >= 10.0 / 64 && y <= 32.0 / 64)
+    } else if (x >= 51.0 / 64 && x <= 54.0 / 64 && y >= 10.0 / 64 && y <= 32.0 / 64) {
         h = -RELIEF_AXES_DEPTH / 2;
-    else if (x >= 10.0 / 64 && x <= 22.0 / 64 && y >= 42.0 / 64 && y <= 54.0 / 64)
+    } else if (x >= 10.0 / 64 && x <= 22.0 / 64 && y >= 42.0 / 64 && y <= 54.0 / 64) {
         h = -RELIEF_AXES_DEPTH * (1 - (y * 64 - 42) / 12 / 2);
+    }
     return h;
 }
 
@@ -305,10 +315,11 @@ static void axes_material(uint32_t seed, double x, double y, relief_material *m)
     y = wrap_unit(y);
     double grey = on_post(x, y) ? 0.9 : 0.5;
     m->albedo[0] = m->albedo[1] = m->albedo[2] = grey;
-    if (x > 60.0 / 64)
+    if (x > 60.0 / 64) {
         m->albedo[1] = m->albedo[2] = 0.1;
-    else if (y > 60.0 / 64)
+    } else if (y > 60.0 / 64) {
         m->albedo[0] = m->albedo[2] = 0.1;
+    }
     set_gloss(m, 0, 0, 0, 1);
 }
 
@@ -335,8 +346,9 @@ static const char *const NAMES[RELIEF_COUNT] = {
 
 relief_kind relief_kind_from_name(const char *name) {
     int k = 0;
-    while (k < RELIEF_COUNT && strcmp(NAMES[k], name) != 0)
+    while (k < RELIEF_COUNT && strcmp(NAMES[k], name) != 0) {
         ++k;
+    }
     return (relief_kind)k;
 }
 
@@ -354,9 +366,11 @@ static void tabulate(relief *r, int threads) {
     const int n = r->grid;
     const height_function height = RELIEFS[r->kind].height;
 #pragma omp parallel for schedule(dynamic, 16) num_threads(threads)
-    for (int j = 0; j < n; ++j)
-        for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+        for (int i = 0; i < n; ++i) {
             r->height[(size_t)j * n + i] = (float)height(r->seed, (double)i / n, (double)j / n);
+        }
+    }
     float low = r->height[0], high = r->height[0];
     for (size_t i = 1; i < (size_t)n * n; ++i) {
         low = r->height[i] < low ? r->height[i] : low;
@@ -368,7 +382,7 @@ static void tabulate(relief *r, int threads) {
         lowest = r->height[i] < lowest ? r->height[i] : lowest;
     }
     r->depth = -(double)lowest;
-    for (int j = 0; j < n; ++j)
+    for (int j = 0; j < n; ++j) {
         for (int i = 0; i < n; ++i) {
             const float *row = r->height + (size_t)j * n,
                         *next = r->height + (size_t)((j + 1) & (n - 1)) * n;
@@ -377,14 +391,17 @@ static void tabulate(relief *r, int threads) {
             r->cell_max[(size_t)j * n + i] = a > b ? a : b;
             r->height_transposed[(size_t)i * n + j] = row[i];
         }
+    }
 }
 
 btf_result relief_create(relief_kind kind, uint32_t seed, int grid, int threads, relief **out_relief) {
-    if (kind < 0 || kind >= RELIEF_COUNT || grid < 64 || grid > 4096 || (grid & (grid - 1)) != 0)
+    if (kind < 0 || kind >= RELIEF_COUNT || grid < 64 || grid > 4096 || (grid & (grid - 1)) != 0) {
         return BTF_ERROR_USAGE;
+    }
     relief *r = calloc(1, sizeof *r);
-    if (!r)
+    if (!r) {
         return BTF_ERROR_MEMORY;
+    }
     size_t count = (size_t)grid * (size_t)grid;
     r->kind = kind;
     r->seed = seed;
@@ -403,8 +420,9 @@ btf_result relief_create(relief_kind kind, uint32_t seed, int grid, int threads,
 }
 
 void relief_destroy(relief **r) {
-    if (!r || !*r)
+    if (!r || !*r) {
         return;
+    }
     free((*r)->height);
     free((*r)->height_transposed);
     free((*r)->cell_max);

@@ -39,8 +39,9 @@ static btf_result open_in(const sample_scene *scene, const char *folder, const c
     const enc_context *context = sample_scene_options(scene)->context;
     size_t size = strlen(folder) + strlen(name) + 2;
     char *path = malloc(size);
-    if (!path)
+    if (!path) {
         return enc_fail(context, BTF_ERROR_MEMORY, "%s/%s: out of memory", folder, name);
+    }
     snprintf(path, size, "%s/%s", folder, name);
     btf_result result = output_open(path, context ? context->log : (btf_log){0}, out_file);
     free(path);
@@ -63,14 +64,16 @@ static btf_result write_array(const sample_scene *scene, const char *folder, con
         count *= shape[d];
     }
     length += snprintf(text + length, sizeof text - (size_t)length, "), }");
-    while ((10 + length + 1) % 64 != 0)
+    while ((10 + length + 1) % 64 != 0) {
         text[length++] = ' ';
+    }
     text[length++] = '\n';
     const unsigned char head[10] = {0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0, length & 255, length >> 8};
     output *file = NULL;
     btf_result result = open_in(scene, folder, name, &file);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     fwrite(head, 1, sizeof head, output_stream(file));
     fwrite(text, 1, (size_t)length, output_stream(file));
     fwrite(values, element, count, output_stream(file));
@@ -104,19 +107,24 @@ btf_result truth_files_write(const sample_scene *scene, const sample_truth *trut
         {"top_shadow.npy", "u1", truth->top_shadow, 3, {lights, rows, columns}},
     };
     btf_result result = BTF_OK;
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays && result == BTF_OK; ++i)
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays && result == BTF_OK; ++i) {
         result = write_array(scene, folder, arrays[i].name, arrays[i].type, arrays[i].values,
                              arrays[i].dimensions, arrays[i].shape);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = write_directions(scene, folder, "views.npy", o->views, o->n_views);
-    if (result == BTF_OK)
+    }
+    if (result == BTF_OK) {
         result = write_directions(scene, folder, "lights.npy", o->lights, o->n_lights);
-    if (result != BTF_OK)
+    }
+    if (result != BTF_OK) {
         return result;
+    }
     output *file = NULL;
     result = open_in(scene, folder, "README.txt", &file);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         return result;
+    }
     fputs(README, output_stream(file));
     return output_commit(&file);
 }

@@ -119,7 +119,7 @@ CHANGES = [
     ("light and view folded where relief is decoded", "fold", [
         ("decoder/fold/fold.c", "all.fold == BTF_FOLD_BOTH && effects & BTF_EFFECT_RELIEF", "all.fold == BTF_FOLD_BOTH && effects == 0")]),
     ("level 0 of a fold drawn alone", "fold_gl", [
-        ("decoder/fold/gl_fold.c", "level < fold->levels; ++level)\n        for (uint32_t i = 0; i < fold->views", "level < 1; ++level)\n        for (uint32_t i = 0; i < fold->views")]),
+        ("decoder/fold/gl_fold.c", "level < fold->levels; ++level) {\n        for (uint32_t i = 0; i < fold->views", "level < 1; ++level) {\n        for (uint32_t i = 0; i < fold->views")]),
     ("every light folded into the layers of the first", "fold_gl", [
         ("decoder/fold/gl_fold.c", "number * fold->views + i, level", "0 * fold->views + i, level")]),
     ("a fold drawn within the caller's scissor", "fold_gl", [
@@ -169,7 +169,7 @@ CHANGES = [
     ("what stands lower hides", "reference_relief", [
         ("reference/btf_relief.c", "(shown - seen) * share", "(seen - shown) * share")]),
     ("hidden views left out altogether", "decoder_relief", [
-        ("reference/btf_relief.c", "if (o < 1229)\n        return 1229;", "if (o < 0)\n        return 0;")]),
+        ("reference/btf_relief.c", "if (o < 1229) {\n        return 1229;", "if (o < 0) {\n        return 0;")]),
     ("no upper bound of what is visible", "reference_relief", [
         ("reference/btf_relief.c", "return o > FULL_WEIGHT ? FULL_WEIGHT : o;", "return o;")]),
     ("the rest of the weights given to a view of none", "reference_relief", [
@@ -215,7 +215,7 @@ CHANGES = [
     ("the texel beside the one that is picked", "reference_stochastic", [
         ("reference/btf_stochastic.c", "number[axis] < weight ? far : near", "number[axis] < weight ? near : far")]),
     ("choices of directions below the horizon", "decoder_stochastic", [
-        ("reference/btf_stochastic.c", "if (!btf_ref_above_horizon(light, view))\n        return;\n    scene s = set_scene(material, options, picks, u, v, light, view);\n    int a",
+        ("reference/btf_stochastic.c", "if (!btf_ref_above_horizon(light, view)) {\n        return;\n    }\n    scene s = set_scene(material, options, picks, u, v, light, view);\n    int a",
          "scene s = set_scene(material, options, picks, u, v, light, view);\n    int a")]),
     ("levels that are no numbers taken for the last", "decoder_stochastic", [
         ("reference/btf_stochastic.c", "if (bits > 0x7F800000u || bits == 0)", "if (bits == 0)")]),
@@ -262,7 +262,7 @@ CHANGES = [
     ("an allocation of the loader not looked at", "memory", [
         ("decoder/header.c", "    if (!d->xyz) {", "    if (d->count == 1000) {")]),
     ("textures kept when GL has no memory", "memory", [
-        ("decoder/gl.c", "if (result != BTF_OK)\n        btf_gl_destroy(&gl);", "if (result != BTF_OK)\n        gl = NULL;")]),
+        ("decoder/gl.c", "if (result != BTF_OK) {\n        btf_gl_destroy(&gl);", "if (result != BTF_OK) {\n        gl = NULL;")]),
     ("texels read that were never written", "valgrind", [
         ("decoder/material.c", "m->texture[level][id] = calloc(1, size);", "m->texture[level][id] = malloc(size);")]),
     ("threads that share the buffer of a product", "tsan", [

@@ -33,7 +33,8 @@ void cases_skip(const char *input, const char *expected, const char *reason) {
 
 int cases_result(void) {
     printf("%d cases, %d failed\n", n_cases, n_failed);
-    if (n_cases > 0 && n_skipped == n_cases)
+    if (n_cases > 0 && n_skipped == n_cases) {
         return 77;
+    }
     return n_cases == 0 || n_failed > 0;
 }

@@ -22,8 +22,9 @@ static struct {
 static btf_ref_material make(uint32_t seed, int extreme) {
     btf_ref_material m;
     make_material(seed, seed | 1, seed % 3 ? OLD_EFFECTS : seed / 3 % 32, extreme, &made.storage, &m);
-    if (seed % 2)
+    if (seed % 2) {
         make_factors(seed, extreme, &made.factors, &m);
+    }
     make_relief(seed, extreme, &made.relief, &m);
     return m;
 }

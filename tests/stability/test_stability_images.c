@@ -31,8 +31,9 @@ static void append(bytes *b, const void *data, size_t size) {
     if (b->size + size > b->room) {
         b->room = 2 * (b->size + size);
         b->data = realloc(b->data, b->room);
-        if (!b->data)
+        if (!b->data) {
             die("out of memory");
+        }
     }
     memcpy(b->data + b->size, data, size);
     b->size += size;
@@ -63,19 +64,23 @@ static bytes make_jpeg(jpeg_kind kind) {
     jpeg.in_color_space = kind.channels == 1 ? JCS_GRAYSCALE : kind.channels == 3 ? JCS_RGB : JCS_CMYK;
     jpeg_set_defaults(&jpeg);
     jpeg_set_quality(&jpeg, 100, TRUE);
-    for (int c = 0; c < jpeg.num_components && !kind.subsampled; c++)
+    for (int c = 0; c < jpeg.num_components && !kind.subsampled; c++) {
         jpeg.comp_info[c].h_samp_factor = jpeg.comp_info[c].v_samp_factor = 1;
+    }
     jpeg.arith_code = kind.arithmetic;
     jpeg.restart_in_rows = kind.restart;
-    if (kind.progressive)
+    if (kind.progressive) {
         jpeg_simple_progression(&jpeg);
+    }
     jpeg_start_compress(&jpeg, TRUE);
     for (int y = 0; y < H; y++) {
         unsigned char row[W * 4];
         JSAMPROW rows = row;
-        for (int x = 0; x < W; x++)
-            for (int c = 0; c < kind.channels; c++)
+        for (int x = 0; x < W; x++) {
+            for (int c = 0; c < kind.channels; c++) {
                 row[kind.channels * x + c] = (unsigned char)level(x, y, c % 3);
+            }
+        }
         jpeg_write_scanlines(&jpeg, &rows, 1);
     }
     jpeg_finish_compress(&jpeg);
@@ -129,17 +134,19 @@ static bytes make_png(png_kind kind) {
     bytes b = {0}, exif = {0};
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
     png_infop info = png_create_info_struct(png);
-    if (!info || setjmp(png_jmpbuf(png)))
+    if (!info || setjmp(png_jmpbuf(png))) {
         die("libpng");
+    }
     png_set_write_fn(png, &b, on_write, on_flush);
     png_set_IHDR(png, info, W, H, kind.depth, kind.colour,
                  kind.interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
     if (kind.colour == PNG_COLOR_TYPE_PALETTE) {
         png_color palette[16];
-        for (int i = 0; i < 16; i++)
+        for (int i = 0; i < 16; i++) {
             palette[i] =
                 (png_color){(unsigned char)(16 * i), (unsigned char)(15 * i), (unsigned char)(255 - i)};
+        }
         png_set_PLTE(png, info, palette, 16);
     }
     if (kind.orientation) {
@@ -157,14 +164,15 @@ static bytes make_png(png_kind kind) {
         for (int i = 0; i < W * channels; i++) {
             const int bits = kind.depth, x = i / channels;
             const int value = kind.colour == PNG_COLOR_TYPE_PALETTE ? y : level(x, y, i % channels % 3);
-            if (bits == 16)
+            if (bits == 16) {
                 pixels[y][2 * i] = pixels[y][2 * i + 1] = (unsigned char)value;
-            else if (bits == 8)
+            } else if (bits == 8) {
                 pixels[y][i] = (unsigned char)value;
-            else
+            } else {
                 pixels[y][i * bits / 8] |=
                     (unsigned char)((kind.colour == PNG_COLOR_TYPE_PALETTE ? value : value >> (8 - bits))
                                     << (8 - bits - i * bits % 8));
+            }
         }
         rows[y] = pixels[y];
     }
@@ -177,16 +185,18 @@ static bytes make_png(png_kind kind) {
 
 /* How far a decoded image is from the test picture, in levels of 255; -1 where it has another shape. */
 static int difference(const enc_image *image, int channels, int depth, bool palette, int bits) {
-    if (image->width != W || image->height != H || image->channels != channels || image->depth != depth)
+    if (image->width != W || image->height != H || image->channels != channels || image->depth != depth) {
         return -1;
+    }
     int worst = 0;
     for (int i = 0; i < W * H * channels; i++) {
         const int c = i % channels, x = i / channels % W, y = i / channels / W;
         int want = level(x, y, c);
-        if (palette)
+        if (palette) {
             want = c == 0 ? 16 * y : c == 1 ? 15 * y : 255 - y;
-        else if (bits < 8)
+        } else if (bits < 8) {
             want = (want >> (8 - bits)) * 255 / ((1 << bits) - 1);
+        }
         const int seen =
             depth == 16 ? ((uint16_t *)image->pixels)[i] / 257 : ((unsigned char *)image->pixels)[i];
         const int distance = abs(seen - want);
@@ -202,8 +212,9 @@ static int prefixes_taken(const bytes *b) {
         char message[160] = "";
         enc_image image = {0};
         unsigned char *prefix = malloc(size ? size : 1);
-        if (!prefix)
+        if (!prefix) {
             die("out of memory");
+        }
         memcpy(prefix, b->data, size);
         const btf_result result = enc_image_decode(prefix, size, &image, message, sizeof message);
         taken += result == BTF_OK || !message[0];
@@ -277,10 +288,11 @@ int main(void) {
         {"PNG, palette of 8 bits, interlaced", {PNG_COLOR_TYPE_PALETTE, 8, true, 0}, 3},
         {"PNG, EXIF orientation 1", {PNG_COLOR_TYPE_RGB, 8, false, 1}, 3},
     };
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         expect_image(kinds[i].name, make_png(kinds[i].kind), kinds[i].channels,
                      kinds[i].kind.depth == 16 ? 16 : 8, kinds[i].kind.colour == PNG_COLOR_TYPE_PALETTE,
                      kinds[i].kind.depth, 0);
+    }
     expect_refusal("PNG, EXIF orientation 8", make_png((png_kind){PNG_COLOR_TYPE_RGB, 8, false, 8}),
                    "EXIF orientation 8");
     return cases_result();

@@ -13,12 +13,15 @@
 uint16_t bonn_half(double value) {
     const double magnitude = fabs(value);
     const unsigned sign = signbit(value) ? 0x8000u : 0;
-    if (isnan(value))
+    if (isnan(value)) {
         return 0x7E00;
-    if (magnitude >= 65520.0)
+    }
+    if (magnitude >= 65520.0) {
         return (uint16_t)(sign | 0x7C00u);
-    if (magnitude < 0x1p-14) /* denormals; rounding up to the least normal number gives its code */
+    }
+    if (magnitude < 0x1p-14) { /* denormals; rounding up to the least normal number gives its code */
         return (uint16_t)(sign | (unsigned)nearbyint(magnitude * 0x1p24));
+    }
     int exponent;
     const double mantissa = frexp(magnitude, &exponent);
     const unsigned rounded = (unsigned)nearbyint(mantissa * 2048.0);
@@ -51,29 +54,36 @@ static void put_meta(FILE *file, const bonn_spec *s) {
     static const char *const names[] = {"R", "G", "B", "400nm"};
     const int channels = s->channels ? s->channels : 3;
     uint32_t size = 4 + 4 + 240 + 4 + 12;
-    if (s->meta_version >= 2)
+    if (s->meta_version >= 2) {
         size += 4;
-    if (s->meta_version >= 3)
+    }
+    if (s->meta_version >= 3) {
         size += 4 + sizeof xml - 1;
-    if (s->meta_version >= 4)
+    }
+    if (s->meta_version >= 4) {
         size += 4;
-    for (int c = 0; s->meta_version >= 4 && c < channels; c++)
+    }
+    for (int c = 0; s->meta_version >= 4 && c < channels; c++) {
         size += 4 + (uint32_t)strlen(names[c < 4 ? c : 3]);
+    }
     put_u32(file, size);
     put_u32(file, (uint32_t)s->meta_version);
     put_text(file, "setup", 80);
     put_text(file, "sensor", 80);
     put_text(file, "light", 80);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         put_number(file, 1.0, 4);
-    if (s->meta_version >= 2)
+    }
+    if (s->meta_version >= 2) {
         put_u32(file, s->cosine);
+    }
     if (s->meta_version >= 3) {
         put_u32(file, sizeof xml - 1);
         fwrite(xml, 1, sizeof xml - 1, file);
     }
-    if (s->meta_version >= 4)
+    if (s->meta_version >= 4) {
         put_u32(file, (uint32_t)channels);
+    }
     for (int c = 0; s->meta_version >= 4 && c < channels; c++) {
         const char *name = names[c < 4 ? c : 3];
         put_u32(file, (uint32_t)strlen(name));
@@ -92,35 +102,45 @@ static void put_directions(FILE *file, const bonn_spec *s) {
     for (int v = 0; v < s->n_views; v++) {
         put_direction(file, s->views[v]);
         put_u32(file, (uint32_t)s->n_lights);
-        for (int l = 0; l < s->n_lights; l++)
+        for (int l = 0; l < s->n_lights; l++) {
             put_direction(file, s->lights[l]);
+        }
     }
 }
 
 static void put_rotations(FILE *file, const bonn_spec *s) {
     put_u32(file, s->rotations);
-    for (unsigned i = 0; i < 9 * s->rotations; i++)
+    for (unsigned i = 0; i < 9 * s->rotations; i++) {
         put_number(file, i % 4 == 0, 4);
+    }
 }
 
 /* One side of a factorisation: rows of directions (views first .. first+n-1), or of texels; `by_channel`
  * rows run over the three channels fastest, else all are of `channel`. */
 static void put_directions_side(FILE *file, const bonn_spec *s, int first, int n, bool by_channel,
                                 int channel, unsigned k, unsigned scalar) {
-    for (int v = first; v < first + n; v++)
-        for (int l = 0; l < s->n_lights; l++)
-            for (int c = 0; c < (by_channel ? 3 : 1); c++)
-                for (unsigned i = 0; i < k; i++)
+    for (int v = first; v < first + n; v++) {
+        for (int l = 0; l < s->n_lights; l++) {
+            for (int c = 0; c < (by_channel ? 3 : 1); c++) {
+                for (unsigned i = 0; i < k; i++) {
                     put_number(file, s->direction(v, l, by_channel ? c : channel, i), scalar);
+                }
+            }
+        }
+    }
 }
 
 static void put_texels_side(FILE *file, const bonn_spec *s, int view, bool by_channel, int channel,
                             unsigned k, unsigned scalar) {
-    for (int y = 0; y < s->height; y++)
-        for (int x = 0; x < s->width; x++)
-            for (int c = 0; c < (by_channel ? 3 : 1); c++)
-                for (unsigned i = 0; i < k; i++)
+    for (int y = 0; y < s->height; y++) {
+        for (int x = 0; x < s->width; x++) {
+            for (int c = 0; c < (by_channel ? 3 : 1); c++) {
+                for (unsigned i = 0; i < k; i++) {
                     put_number(file, s->texel(x, y, by_channel ? c : channel, view, i), scalar);
+                }
+            }
+        }
+    }
 }
 
 /* Scalar size to end of one factorisation; the left side holds the channels' rows where there are three. */
@@ -133,8 +153,9 @@ static void put_factors(FILE *file, const bonn_spec *s, int channels, int channe
     put_u32(file, k);
     put_u32(file, (uint32_t)channels * (s->swapped ? texels : directions));
     put_u32(file, s->swapped ? directions : texels);
-    for (unsigned i = 0; i < k; i++)
+    for (unsigned i = 0; i < k; i++) {
         put_number(file, 1.0, scalar);
+    }
     if (s->swapped) {
         put_texels_side(file, s, 0, three, channel, k, scalar);
         put_directions_side(file, s, 0, s->n_views, false, three ? 0 : channel, k, scalar);
@@ -146,28 +167,34 @@ static void put_factors(FILE *file, const bonn_spec *s, int channels, int channe
 
 static void put_dfmf(FILE *file, const bonn_spec *s) {
     unsigned most = 0;
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
         most = s->components[c] > most ? s->components[c] : most;
+    }
     put_u32(file, most);
     put_u32(file, (uint32_t)s->model);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         put_number(file, s->mean[i], 4);
-    for (int i = 0; i < 9; i++)
+    }
+    for (int i = 0; i < 9; i++) {
         put_number(file, s->matrix[i], 4);
-    for (int c = 0; c < 3; c++)
+    }
+    for (int c = 0; c < 3; c++) {
         put_factors(file, s, 1, c, s->components[c], s->scalar[c]);
+    }
 }
 
 static void put_fmf(FILE *file, const bonn_spec *s) {
     if (strcmp(s->signature, "!FMF12FCER") == 0) {
         fputc((int)s->header_version, file);
-        if (s->header_version >= 1)
+        if (s->header_version >= 1) {
             put_u32(file, s->logarithm);
+        }
         if (s->header_version >= 2) {
             put_u32(file, s->height_rows);
             put_u32(file, s->height_columns);
-            for (unsigned i = 0; i < s->height_rows * s->height_columns; i++)
+            for (unsigned i = 0; i < s->height_rows * s->height_columns; i++) {
                 put_number(file, i, 2);
+            }
         }
     }
     put_u32(file, s->components[0]);
@@ -182,14 +209,17 @@ static void put_pvf(FILE *file, const bonn_spec *s) {
         put_u32(file, k);
         put_u32(file, s->swapped ? lights : texels);
         put_u32(file, 3 * (s->swapped ? texels : lights));
-        for (unsigned i = 0; i < k; i++)
+        for (unsigned i = 0; i < k; i++) {
             put_number(file, 1.0, scalar);
-        for (uint32_t i = 0; i < (s->swapped ? texels : lights); i++)
-            for (int c = 0; c < 3; c++)
+        }
+        for (uint32_t i = 0; i < (s->swapped ? texels : lights); i++) {
+            for (int c = 0; c < 3; c++) {
                 put_number(file,
                            s->swapped ? s->average(v, 0, c, (int)i % s->width, (int)i / s->width)
                                       : s->average(v, (int)i, c, 0, 0),
                            scalar);
+            }
+        }
         if (s->swapped) {
             put_texels_side(file, s, v, true, 0, k, scalar);
             put_directions_side(file, s, v, 1, false, 0, k, scalar);
@@ -239,27 +269,32 @@ static void put_bdi(FILE *file, const bonn_spec *s) {
     size_t held = 0;
     put_u32(file, s->lines_per_chunk);
     fputc((int)s->compression, file);
-    for (int i = 0; i < s->width * s->height; i++)
+    for (int i = 0; i < s->width * s->height; i++) {
         fputc(s->mask ? s->mask[i] : 1, file);
+    }
     put_rotations(file, s);
     for (int i = 0; i < s->width * s->height; i++) {
-        if (s->compression == 2 && s->mask && !s->mask[i])
+        if (s->compression == 2 && s->mask && !s->mask[i]) {
             continue;
+        }
         unsigned char *at = chunk + held++ * abrdf;
-        for (int v = 0; v < s->n_views; v++)
-            for (int l = 0; l < s->n_lights; l++)
+        for (int v = 0; v < s->n_views; v++) {
+            for (int l = 0; l < s->n_lights; l++) {
                 for (int c = 0; c < 3; c++, at += 2) {
                     const uint16_t half = bonn_half(s->sample(v, l, c, i % s->width, i / s->width));
                     at[0] = (unsigned char)half;
                     at[1] = (unsigned char)(half >> 8);
                 }
+            }
+        }
         if (held == per_chunk) {
             put_chunk(file, s, chunk, held * abrdf);
             held = 0;
         }
     }
-    if (held > 0)
+    if (held > 0) {
         put_chunk(file, s, chunk, held * abrdf);
+    }
     free(chunk);
 }
 
@@ -281,8 +316,9 @@ bonn_spec bonn_half_dfmf(int side, int n, const double (*directions)[2], unsigne
 
 bool bonn_write(const char *path, const bonn_spec *s) {
     FILE *file = fopen(path, "wb");
-    if (!file)
+    if (!file) {
         return false;
+    }
     fwrite(s->signature, 1, strlen(s->signature), file);
     if (s->form == BONN_PVF_LEGACY) {
         put_u32(file, 301074);
@@ -296,21 +332,23 @@ bool bonn_write(const char *path, const bonn_spec *s) {
         put_directions(file, s);
         put_u32(file, (uint32_t)s->width);
         put_u32(file, (uint32_t)s->height);
-        if (s->form != BONN_BDI && s->signature[strlen(s->signature) - 1] == 'R')
+        if (s->form != BONN_BDI && s->signature[strlen(s->signature) - 1] == 'R') {
             put_rotations(file, s);
+        }
         if (s->form == BONN_PVF) {
             put_u32(file, s->components[0]);
             put_u32(file, (uint32_t)s->n_views);
         }
     }
-    if (s->form == BONN_DFMF)
+    if (s->form == BONN_DFMF) {
         put_dfmf(file, s);
-    else if (s->form == BONN_FMF)
+    } else if (s->form == BONN_FMF) {
         put_fmf(file, s);
-    else if (s->form == BONN_BDI)
+    } else if (s->form == BONN_BDI) {
         put_bdi(file, s);
-    else
+    } else {
         put_pvf(file, s);
+    }
     const bool good = !ferror(file);
     return fclose(file) == 0 && good;
 }

@@ -28,14 +28,16 @@ static void put(bytes *b, const void *data, size_t size) {
         b->data = realloc(b->data, b->capacity);
         must(b->data != NULL, "out of memory");
     }
-    if (size)
+    if (size) {
         memcpy(b->data + b->size, data, size);
+    }
     b->size += size;
 }
 
 static void put_number(bytes *b, uint64_t value, int size) {
-    for (int i = 0; i < size; i++)
+    for (int i = 0; i < size; i++) {
         put(b, &(uint8_t){(uint8_t)(value >> 8 * i)}, 1);
+    }
 }
 
 static void put_text(bytes *b, const char *text) {
@@ -59,8 +61,9 @@ static void put_float(bytes *b, float value) {
 static unsigned half_of(float value) {
     int exponent;
     const float fraction = frexpf(fabsf(value), &exponent);
-    if (value == 0.0f || exponent < -13)
+    if (value == 0.0f || exponent < -13) {
         return 0;
+    }
     must(exponent <= 16, "beyond half");
     return (value < 0 ? 0x8000u : 0u) | (unsigned)(exponent + 14) << 10 |
            ((unsigned)(fraction * 2048.0f) & 1023u);
@@ -68,23 +71,27 @@ static unsigned half_of(float value) {
 
 static void put_sample(bytes *b, const bytes_part *p, int c, int x, int y) {
     const float value = p->value(c, x, y);
-    if (p->channels[c].type == BYTES_HALF)
+    if (p->channels[c].type == BYTES_HALF) {
         put_number(b, half_of(value), 2);
-    else if (p->channels[c].type == BYTES_FLOAT)
+    } else if (p->channels[c].type == BYTES_FLOAT) {
         put_float(b, value);
-    else
+    } else {
         put_number(b, (uint32_t)value, 4);
+    }
 }
 
 /* One row: of each channel the samples whose coordinates its sampling divides. */
 static void put_row(bytes *b, const bytes_part *p, int y) {
     for (int c = 0; c < p->channel_count; c++) {
         const bytes_channel *channel = &p->channels[c];
-        if (channel->ys < 1 || channel->xs < 1 || (p->y + y) % channel->ys != 0)
+        if (channel->ys < 1 || channel->xs < 1 || (p->y + y) % channel->ys != 0) {
             continue;
-        for (int x = 0; x < p->width; x++)
-            if ((p->x + x) % channel->xs == 0)
+        }
+        for (int x = 0; x < p->width; x++) {
+            if ((p->x + x) % channel->xs == 0) {
                 put_sample(b, p, c, x, y);
+            }
+        }
     }
 }
 
@@ -100,8 +107,9 @@ static int chunks_of(const bytes_part *p) {
 static void put_window(bytes *b, const char *name, int x, int y, int width, int height) {
     bytes w = {0};
     const int sides[4] = {x, y, x + width - 1, y + height - 1};
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         put_number(&w, (uint32_t)sides[i], 4);
+    }
     put_attribute(b, name, "box2i", w.data, w.size);
     free(w.data);
 }
@@ -151,9 +159,10 @@ static void put_header(bytes *b, const bytes_part *p, bool deep_file) {
         }
     }
     free(number.data);
-    for (int i = 0; i < p->attribute_count; i++)
+    for (int i = 0; i < p->attribute_count; i++) {
         put_attribute(b, p->attributes[i].name, p->attributes[i].type, p->attributes[i].value,
                       p->attributes[i].size);
+    }
     put_number(b, 0, 1);
 }
 
@@ -161,31 +170,38 @@ void *exr_bytes(const bytes_part *parts, int count, size_t *out_size) {
     bytes b = {0};
     const bool multiple = count > 1;
     bool deep = false;
-    for (int p = 0; p < count; p++)
+    for (int p = 0; p < count; p++) {
         deep = deep || parts[p].deep;
+    }
     put_number(&b, 20000630, 4);
     put_number(&b, 2u | (multiple ? 0x1000u : 0u) | (deep ? 0x800u : 0u), 4);
-    for (int p = 0; p < count; p++)
+    for (int p = 0; p < count; p++) {
         put_header(&b, &parts[p], deep);
-    if (multiple)
+    }
+    if (multiple) {
         put_number(&b, 0, 1);
+    }
     size_t table = b.size;
-    for (int p = 0; p < count; p++)
-        for (int i = 0; i < chunks_of(&parts[p]); i++)
+    for (int p = 0; p < count; p++) {
+        for (int i = 0; i < chunks_of(&parts[p]); i++) {
             put_number(&b, 0, 8);
+        }
+    }
     for (int p = 0; p < count; p++) {
         const int lines = lines_of(&parts[p]);
         for (int y = 0; y < parts[p].height; y += lines) {
             bytes at = {.data = b.data + table, .capacity = 8};
             put_number(&at, b.size, 8);
             table += 8;
-            if (multiple)
+            if (multiple) {
                 put_number(&b, (uint32_t)p, 4);
+            }
             put_number(&b, (uint32_t)(parts[p].y + y), 4);
             const size_t length = b.size;
             put_number(&b, 0, 4);
-            for (int line = y; line < y + lines && line < parts[p].height; line++)
+            for (int line = y; line < y + lines && line < parts[p].height; line++) {
                 put_row(&b, &parts[p], line);
+            }
             bytes size = {.data = b.data + length, .capacity = 4};
             put_number(&size, b.size - length - 4, 4);
         }
@@ -198,8 +214,9 @@ void *exr_bytes(const bytes_part *parts, int count, size_t *out_size) {
 static exr_result_t pack(exr_encode_pipeline_t *pipeline) {
     const bytes_part *part = pipeline->encoding_user_data;
     bytes b = {0};
-    for (int y = 0; y < pipeline->chunk.height; y++)
+    for (int y = 0; y < pipeline->chunk.height; y++) {
         put_row(&b, part, pipeline->chunk.start_y - part->y + y);
+    }
     must(b.size == pipeline->chunk.unpacked_size, "size of a block");
     if (!pipeline->packed_buffer || pipeline->packed_alloc_size < b.size) {
         free(pipeline->packed_buffer);
@@ -238,9 +255,10 @@ void exr_bytes_compressed(const char *path, const bytes_part *p) {
     check(exr_add_part(context, "image", EXR_STORAGE_SCANLINE, &part));
     check(exr_initialize_required_attr(context, part, &window, &window, 1, &centre, 1,
                                        EXR_LINEORDER_INCREASING_Y, (exr_compression_t)p->compression));
-    for (int c = 0; c < p->channel_count; c++)
+    for (int c = 0; c < p->channel_count; c++) {
         check(exr_add_channel(context, part, p->channels[c].name, (exr_pixel_type_t)p->channels[c].type,
                               EXR_PERCEPTUALLY_LOGARITHMIC, p->channels[c].xs, p->channels[c].ys));
+    }
     check(exr_write_header(context));
     check(exr_get_scanlines_per_chunk(context, part, &lines));
     for (int y = 0; y < p->height; y += lines) {
@@ -258,8 +276,9 @@ void exr_bytes_compressed(const char *path, const bytes_part *p) {
         pipeline.encoding_user_data = (void *)(uintptr_t)p;
         pipeline.convert_and_pack_fn = pack;
         library_compress = pipeline.compress_fn;
-        if (pipeline.compress_fn)
+        if (pipeline.compress_fn) {
             pipeline.compress_fn = compress_or_keep;
+        }
         check(exr_encoding_run(context, part, &pipeline));
         exr_encoding_destroy(context, &pipeline);
     }

@@ -88,8 +88,9 @@ static void load_part(exr_context_t context, int index, edit_part *part) {
     part->display_height = display.max.y + 1;
     part->width = window.max.x + 1;
     part->height = window.max.y + 1;
-    for (int c = 0; c < list->num_channels; c++)
+    for (int c = 0; c < list->num_channels; c++) {
         edit_add_channel(part, list->entries[c].name.str, list->entries[c].pixel_type);
+    }
     for (int y = 0; y < part->height; y += lines) {
         exr_chunk_info_t chunk;
         check(exr_read_scanline_chunk_info(context, index, y, &chunk), "chunk");
@@ -140,15 +141,17 @@ edit_file *edit_load(const void *data, size_t size) {
     start.size_fn = memory_size;
     check(exr_start_read(&context, "edit", &start), "start");
     check(exr_get_count(context, &file->part_count), "count");
-    for (int p = 0; p < file->part_count; p++)
+    for (int p = 0; p < file->part_count; p++) {
         load_part(context, p, &file->parts[p]);
+    }
     int32_t count;
     check(exr_get_attribute_count(context, 0, &count), "attributes");
     for (int32_t i = 0; i < count; i++) {
         const exr_attribute_t *attribute = NULL;
         check(exr_get_attribute_by_index(context, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute), "attribute");
-        if (!strncmp(attribute->name, "openbtf.", 8))
+        if (!strncmp(attribute->name, "openbtf.", 8)) {
             load_attribute(attribute, &file->attributes[file->attribute_count++]);
+        }
     }
     exr_finish(&context);
     return file;
@@ -185,10 +188,11 @@ static void declare_part(exr_context_t context, const edit_part *part) {
     check(exr_initialize_required_attr(context, index, &display, &data, 1, &centre, 1, part->order,
                                        part->compression),
           "required attributes");
-    for (int c = 0; c < part->channel_count; c++)
+    for (int c = 0; c < part->channel_count; c++) {
         check(exr_add_channel(context, index, part->channels[c].name, part->channels[c].type,
                               EXR_PERCEPTUALLY_LINEAR, 1, 1),
               "channel");
+    }
 }
 
 static exr_result_t (*default_compress)(exr_encode_pipeline_t *encode);
@@ -215,8 +219,9 @@ static void save_part(exr_context_t context, int index, const edit_part *part) {
         check(exr_encoding_initialize(context, index, &chunk, &encode), "encode");
         for (int e = 0; e < encode.channel_count; e++) {
             int c = 0;
-            while (strcmp(part->channels[c].name, encode.channels[e].channel_name))
+            while (strcmp(part->channels[c].name, encode.channels[e].channel_name)) {
                 c++;
+            }
             size_t size = pixel_size(part->channels[c].type), row = size * (size_t)part->width;
             encode.channels[e].encode_from_ptr = part->channels[c].data + row * (size_t)y;
             encode.channels[e].user_pixel_stride = (int32_t)size;
@@ -239,21 +244,25 @@ void edit_save(const edit_file *file, void **out_data, size_t *out_size) {
     start.user_data = &m;
     start.write_fn = write_bytes;
     check(exr_start_write(&context, "edit", EXR_WRITE_FILE_DIRECTLY, &start), "start");
-    for (int p = 0; p < file->part_count; p++)
+    for (int p = 0; p < file->part_count; p++) {
         declare_part(context, &file->parts[p]);
-    for (int i = 0; i < file->attribute_count; i++)
+    }
+    for (int i = 0; i < file->attribute_count; i++) {
         save_attribute(context, &file->attributes[i]);
+    }
     check(exr_write_header(context), "header");
-    for (int p = 0; p < file->part_count; p++)
+    for (int p = 0; p < file->part_count; p++) {
         save_part(context, p, &file->parts[p]);
+    }
     check(exr_finish(&context), "finish");
     *out_data = m.data;
     *out_size = m.size;
 }
 
 static void clear_part(edit_part *part) {
-    for (int c = 0; c < part->channel_count; c++)
+    for (int c = 0; c < part->channel_count; c++) {
         free(part->channels[c].data);
+    }
     part->channel_count = 0;
 }
 
@@ -263,17 +272,21 @@ static void clear_attribute(edit_attribute *attribute) {
 }
 
 void edit_free(edit_file *file) {
-    for (int p = 0; p < file->part_count; p++)
+    for (int p = 0; p < file->part_count; p++) {
         clear_part(&file->parts[p]);
-    for (int i = 0; i < file->attribute_count; i++)
+    }
+    for (int i = 0; i < file->attribute_count; i++) {
         clear_attribute(&file->attributes[i]);
+    }
     free(file);
 }
 
 edit_attribute *edit_find_attribute(edit_file *file, const char *name) {
-    for (int i = 0; i < file->attribute_count; i++)
-        if (!strcmp(file->attributes[i].name, name))
+    for (int i = 0; i < file->attribute_count; i++) {
+        if (!strcmp(file->attributes[i].name, name)) {
             return &file->attributes[i];
+        }
+    }
     must(false, name);
     return NULL;
 }
@@ -285,18 +298,22 @@ void edit_remove_attribute(edit_file *file, const char *name) {
 }
 
 edit_part *edit_find_part(edit_file *file, const char *name) {
-    for (int p = 0; p < file->part_count; p++)
-        if (!strcmp(file->parts[p].name, name))
+    for (int p = 0; p < file->part_count; p++) {
+        if (!strcmp(file->parts[p].name, name)) {
             return &file->parts[p];
+        }
+    }
     must(false, name);
     return NULL;
 }
 
 edit_channel *edit_find_channel(edit_file *file, const char *part, const char *channel) {
     edit_part *p = edit_find_part(file, part);
-    for (int c = 0; c < p->channel_count; c++)
-        if (!strcmp(p->channels[c].name, channel))
+    for (int c = 0; c < p->channel_count; c++) {
+        if (!strcmp(p->channels[c].name, channel)) {
             return &p->channels[c];
+        }
+    }
     must(false, channel);
     return NULL;
 }
@@ -329,12 +346,13 @@ void edit_remove_part(edit_file *file, const char *name) {
 }
 
 void edit_remove_channel(edit_part *part, const char *name) {
-    for (int c = 0; c < part->channel_count; c++)
+    for (int c = 0; c < part->channel_count; c++) {
         if (!strcmp(part->channels[c].name, name)) {
             free(part->channels[c].data);
             part->channels[c] = part->channels[--part->channel_count];
             return;
         }
+    }
     must(false, name);
 }
 

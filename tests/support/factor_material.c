@@ -19,8 +19,9 @@ btf_material_desc factor_material_desc(uint32_t width, uint32_t height, uint32_t
     desc.info.store = BTF_STORE_FACTORS;
     memcpy(desc.info.factor_classes, classes, sizeof desc.info.factor_classes);
     desc.info.components = 0;
-    for (int c = 0; c < BTF_FACTOR_CLASSES; c++)
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
         desc.info.components += classes[c][0];
+    }
     desc.info.domain = BTF_DOMAIN_SQRT;
     desc.info.horizon_scale = 5.75f;
     return desc;
@@ -38,9 +39,11 @@ float *factor_numbers(const btf_material_desc *desc, btf_texture_id id) {
 static void fill_words(random_state *r, size_t of_class_0, size_t count, uint32_t *out) {
     for (size_t i = 0; i < count; i++) {
         out[i] = (uint32_t)random_next(r);
-        for (int shift = 0; shift < 32 && i < of_class_0; shift += 8)
-            if ((out[i] >> shift & 255) == 128)
+        for (int shift = 0; shift < 32 && i < of_class_0; shift += 8) {
+            if ((out[i] >> shift & 255) == 128) {
                 out[i] ^= 1u << shift;
+            }
+        }
     }
 }
 
@@ -51,19 +54,22 @@ static float random_scale(random_state *r) {
 }
 
 static void fill_scales(random_state *r, const btf_material_info *info, float *out) {
-    for (int c = 0; c < BTF_FACTOR_CLASSES; c++)
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
         for (uint32_t unit = 0; unit < info->factor_classes[c][0]; unit++, out += 4) {
             const bool mixed = c == 0 || 4 * unit < info->factor_classes[c][1] + info->factor_classes[c][2];
-            for (int word = 0; word < 4; word++)
+            for (int word = 0; word < 4; word++) {
                 out[word] = word == 0 || mixed ? random_scale(r) : out[0];
+            }
         }
+    }
 }
 
 void factor_material_pack_points(btf_material_desc *desc) {
     const uint32_t both = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
     btf_material_info *info = &desc->info;
-    if (info->layout != BTF_LAYOUT_TIGHT || (info->effects & (both | BTF_EFFECT_HIDDEN)) != both)
+    if (info->layout != BTF_LAYOUT_TIGHT || (info->effects & (both | BTF_EFFECT_HIDDEN)) != both) {
         return;
+    }
     info->point_store = BTF_POINTS_PACKED;
     info->gain_base = 0.3f;
     info->gain_step = 0.11f;
@@ -79,12 +85,15 @@ void factor_material_list_points(btf_material_desc *desc, uint32_t entries) {
 
 void factor_material_choose(random_state *r, btf_material_desc *desc) {
     btf_material_info *info = &desc->info;
-    if (info->domain == BTF_DOMAIN_SQRT)
+    if (info->domain == BTF_DOMAIN_SQRT) {
         info->blend = (btf_blend)random_below(r, 2);
-    if (random_below(r, 3) > 0)
+    }
+    if (random_below(r, 3) > 0) {
         factor_material_pack_points(desc);
-    if (!(info->effects & BTF_EFFECT_RESIDUAL) || random_below(r, 3) == 0)
+    }
+    if (!(info->effects & BTF_EFFECT_RESIDUAL) || random_below(r, 3) == 0) {
         return;
+    }
     info->store = BTF_STORE_FACTORS;
     info->horizon_scale = (float)(1 + 5 * random_unit(r));
     info->components = 0;
@@ -101,9 +110,10 @@ void factor_material_choose(random_state *r, btf_material_desc *desc) {
 void factor_material_fill(random_state *r, btf_material_desc *desc) {
     const btf_material_info *info = &desc->info;
     random_material_fill(r, desc);
-    if (info->store != BTF_STORE_FACTORS)
+    if (info->store != BTF_STORE_FACTORS) {
         return;
-    for (uint32_t level = 0; level < (info->levels ? info->levels : 1); level++)
+    }
+    for (uint32_t level = 0; level < (info->levels ? info->levels : 1); level++) {
         for (int which = 0; which < (level ? 1 : 2); which++) {
             const btf_texture_id id = which ? BTF_TEXTURE_FACTOR_DIRECTIONS : BTF_TEXTURE_FACTOR_TEXELS;
             const btf_texture t = btf_material_level_shape(info, level, id);
@@ -111,8 +121,10 @@ void factor_material_fill(random_state *r, btf_material_desc *desc) {
             fill_words(r, 4 * texels * info->factor_classes[0][0], 4 * texels * t.layers,
                        (uint32_t *)(uintptr_t)(level ? desc->level_texture[level][id] : desc->texture[id]));
         }
+    }
     fill_scales(r, info, factor_numbers(desc, BTF_TEXTURE_FACTOR_SCALES));
     float *views = factor_numbers(desc, BTF_TEXTURE_FACTOR_VIEWS);
-    for (size_t i = 0; i < 12 * (size_t)info->n_views; i++)
+    for (size_t i = 0; i < 12 * (size_t)info->n_views; i++) {
         views[i] = i % 4 == 3 ? 0 : (float)(0.25 + random_unit(r));
+    }
 }

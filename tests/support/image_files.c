@@ -21,8 +21,9 @@
 static void put_new_runs(FILE *f, const unsigned char *rgbe, int width, int component) {
     for (int x = 0; x < width;) {
         int run = 1;
-        while (x + run < width && run < 127 && rgbe[4 * (x + run) + component] == rgbe[4 * x + component])
+        while (x + run < width && run < 127 && rgbe[4 * (x + run) + component] == rgbe[4 * x + component]) {
             run++;
+        }
         putc(run > 1 ? 128 + run : 1, f);
         putc(rgbe[4 * x + component], f);
         x += run;
@@ -32,8 +33,9 @@ static void put_new_runs(FILE *f, const unsigned char *rgbe, int width, int comp
 static void put_old_runs(FILE *f, const unsigned char *rgbe, int width) {
     for (int x = 0; x < width;) {
         int run = 0;
-        while (x > 0 && x + run < width && memcmp(rgbe + 4 * (x + run), rgbe + 4 * (x - 1), 4) == 0)
+        while (x > 0 && x + run < width && memcmp(rgbe + 4 * (x + run), rgbe + 4 * (x - 1), 4) == 0) {
             run++;
+        }
         if (run > 0) {
             for (int rest = run; rest > 0; rest >>= 8) {
                 const unsigned char code[4] = {1, 1, 1, (unsigned char)(rest & 255)};
@@ -57,8 +59,9 @@ void write_hdr(const char *path, int width, int height, const unsigned char *rgb
             const unsigned char start[4] = {2, 2, (unsigned char)(width >> 8),
                                             (unsigned char)(width & 255)};
             fwrite(start, 1, 4, f);
-            for (int c = 0; c < 4; c++)
+            for (int c = 0; c < 4; c++) {
                 put_new_runs(f, row, width, c);
+            }
         } else if (coding == HDR_OLD_RUNS) {
             put_old_runs(f, row, width);
         } else {
@@ -75,28 +78,33 @@ void write_png(const char *path, int width, int height, int colour_type, int dep
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     assert_non_null(info);
-    if (setjmp(png_jmpbuf(png)))
+    if (setjmp(png_jmpbuf(png))) {
         fail_msg("libpng could not write %s", path);
+    }
     png_init_io(png, f);
     png_set_IHDR(png, info, (png_uint_32)width, (png_uint_32)height, depth, colour_type,
                  interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
-    if (palette)
+    if (palette) {
         png_set_PLTE(png, info, (png_const_colorp)(const void *)palette, 1 << depth);
+    }
     png_write_info(png, info);
     const size_t row_bytes = png_get_rowbytes(png, info);
     const int passes = png_set_interlace_handling(png);
-    for (int pass = 0; pass < passes; pass++)
-        for (int row = 0; row < height; row++)
+    for (int pass = 0; pass < passes; pass++) {
+        for (int row = 0; row < height; row++) {
             png_write_row(png, pixels + (size_t)row * row_bytes);
+        }
+    }
     png_write_end(png, info);
     png_destroy_write_struct(&png, &info);
     assert_int_equal(fclose(f), 0);
 }
 
 static void check(exr_result_t code) {
-    if (code != EXR_ERR_SUCCESS)
+    if (code != EXR_ERR_SUCCESS) {
         fail_msg("OpenEXRCore: %s", exr_get_default_error_message(code));
+    }
 }
 
 static void set_channels(exr_encode_pipeline_t *pipeline, const float *first, int n, const char *names,

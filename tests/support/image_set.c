@@ -59,10 +59,13 @@ unsigned char set_code(int v, int l, int row, int column, int c) {
 }
 
 void set_make_codes(int v, int l, unsigned char codes[W * H * 3]) {
-    for (int row = 0; row < H; row++)
-        for (int column = 0; column < W; column++)
-            for (int c = 0; c < 3; c++)
+    for (int row = 0; row < H; row++) {
+        for (int column = 0; column < W; column++) {
+            for (int c = 0; c < 3; c++) {
                 codes[(row * W + column) * 3 + c] = set_code(v, l, row, column, c);
+            }
+        }
+    }
 }
 
 const char *set_name_of(custom naming, int v, int l, const char *extension) {
@@ -88,8 +91,9 @@ const char *set_name_of(custom naming, int v, int l, const char *extension) {
         snprintf(path, sizeof path, "%s/pl%.1f tl%.1f.%s", sub, pl, tl, extension);
         break;
     }
-    if (sub[0])
+    if (sub[0]) {
         mkdir(sub, 0777);
+    }
     return path;
 }
 
@@ -100,16 +104,19 @@ void set_write_png8(custom naming, int v, int l) {
 }
 
 void set_write(custom naming) {
-    for (int v = 0; v < VIEWS; v++)
-        for (int l = 0; l < LIGHTS; l++)
+    for (int v = 0; v < VIEWS; v++) {
+        for (int l = 0; l < LIGHTS; l++) {
             set_write_png8(naming, v, l);
+        }
+    }
 }
 
 enc_data *set_read_folder(const enc_read_options *options) {
     enc_data *data = NULL;
     const btf_result result = enc_read(&set_context, set_folder, options, &data);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         fail_msg("%s", set_messages);
+    }
     return data;
 }
 
@@ -120,9 +127,11 @@ void set_expect_refused(const char *input, const enc_read_options *options, btf_
     assert_int_equal(enc_read(&set_context, input, options, &data), expected);
     assert_null(data);
     va_start(words, expected);
-    for (const char *word; (word = va_arg(words, const char *));)
-        if (!strstr(set_messages, word))
+    for (const char *word; (word = va_arg(words, const char *));) {
+        if (!strstr(set_messages, word)) {
             fail_msg("\"%s\" does not say \"%s\"", set_messages, word);
+        }
+    }
     va_end(words);
 }
 
@@ -143,19 +152,26 @@ void set_expect(const enc_data *data, double tolerance) {
     assert_int_equal(data->n_views, VIEWS);
     assert_int_equal(data->n_lights, LIGHTS);
     assert_int_equal(data->top_view, 0);
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         assert_true(data->views[v].theta == set_views[v][0] && data->views[v].phi == set_views[v][1]);
-    for (int l = 0; l < LIGHTS; l++)
+    }
+    for (int l = 0; l < LIGHTS; l++) {
         assert_true(data->lights[l].theta == set_lights[l][0] && data->lights[l].phi == set_lights[l][1]);
-    for (int row = 0; row < H; row++)
-        for (int column = 0; column < W; column++)
-            for (int v = 0; v < VIEWS; v++)
-                for (int c = 0; c < 3; c++)
+    }
+    for (int row = 0; row < H; row++) {
+        for (int column = 0; column < W; column++) {
+            for (int v = 0; v < VIEWS; v++) {
+                for (int c = 0; c < 3; c++) {
                     for (int l = 0; l < LIGHTS; l++) {
                         const double expected = enc_srgb_decode(set_code(v, l, row, column, c) / 255.0);
                         const double value = set_sample(data, v, l, row, column, c);
-                        if (!(fabs(value - expected) <= tolerance))
+                        if (!(fabs(value - expected) <= tolerance)) {
                             fail_msg("view %d light %d row %d column %d channel %d: %g, not %g", v, l, row,
                                      column, c, value, expected);
+                        }
                     }
+                }
+            }
+        }
+    }
 }

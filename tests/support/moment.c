@@ -64,19 +64,22 @@ __attribute__((destructor)) static void write_calls(void) {
 }
 
 static void act(void) {
-    if (strcmp(action, "INT") == 0)
+    if (strcmp(action, "INT") == 0) {
         raise(SIGINT);
-    else if (strcmp(action, "TERM") == 0)
+    } else if (strcmp(action, "TERM") == 0) {
         raise(SIGTERM);
-    else if (strcmp(action, "KILL") == 0)
+    } else if (strcmp(action, "KILL") == 0) {
         raise(SIGKILL);
-    else
+    } else {
         (void)!system(action);
+    }
 }
 
 static void happens(const char *what, const char *with) {
-    if (wanted && strcmp(kind, what) == 0 && strstr(with, text) && atomic_fetch_add(&met, 1) + 1 == wanted)
+    if (wanted && strcmp(kind, what) == 0 && strstr(with, text) &&
+        atomic_fetch_add(&met, 1) + 1 == wanted) {
         act();
+    }
 }
 
 static void call(void) {
@@ -85,8 +88,9 @@ static void call(void) {
 }
 
 static void call_open(const char *path, bool writes) {
-    if (writes)
+    if (writes) {
         call();
+    }
     happens("open", path);
 }
 
@@ -94,67 +98,71 @@ static bool is_file(FILE *stream) {
     return stream != stdout && stream != stderr;
 }
 
-#define OPEN(name) \
-    int name(const char *path, int flags, ...) { \
-        va_list arguments; \
-        va_start(arguments, flags); \
-        const mode_t mode = flags & (O_CREAT | O_TMPFILE) ? va_arg(arguments, mode_t) : 0; \
-        va_end(arguments); \
-        call_open(path, (flags & O_ACCMODE) != O_RDONLY); \
-        return NEXT(name)(path, flags, mode); \
+#define OPEN(name)                                                                                         \
+    int name(const char *path, int flags, ...) {                                                           \
+        va_list arguments;                                                                                 \
+        va_start(arguments, flags);                                                                        \
+        const mode_t mode = flags & (O_CREAT | O_TMPFILE) ? va_arg(arguments, mode_t) : 0;                 \
+        va_end(arguments);                                                                                 \
+        call_open(path, (flags & O_ACCMODE) != O_RDONLY);                                                  \
+        return NEXT(name)(path, flags, mode);                                                              \
     }
 OPEN(open)
 OPEN(open64)
 
-#define OPENAT(name) \
-    int name(int folder, const char *path, int flags, ...) { \
-        va_list arguments; \
-        va_start(arguments, flags); \
-        const mode_t mode = flags & (O_CREAT | O_TMPFILE) ? va_arg(arguments, mode_t) : 0; \
-        va_end(arguments); \
-        call_open(path, (flags & O_ACCMODE) != O_RDONLY); \
-        return NEXT(name)(folder, path, flags, mode); \
+#define OPENAT(name)                                                                                       \
+    int name(int folder, const char *path, int flags, ...) {                                               \
+        va_list arguments;                                                                                 \
+        va_start(arguments, flags);                                                                        \
+        const mode_t mode = flags & (O_CREAT | O_TMPFILE) ? va_arg(arguments, mode_t) : 0;                 \
+        va_end(arguments);                                                                                 \
+        call_open(path, (flags & O_ACCMODE) != O_RDONLY);                                                  \
+        return NEXT(name)(folder, path, flags, mode);                                                      \
     }
 OPENAT(openat)
 OPENAT(openat64)
 
-#define FOPEN(name) \
-    FILE *name(const char *path, const char *mode) { \
-        call_open(path, *mode != 'r' || strchr(mode, '+')); \
-        return NEXT(name)(path, mode); \
+#define FOPEN(name)                                                                                        \
+    FILE *name(const char *path, const char *mode) {                                                       \
+        call_open(path, *mode != 'r' || strchr(mode, '+'));                                                \
+        return NEXT(name)(path, mode);                                                                     \
     }
 FOPEN(fopen)
 FOPEN(fopen64)
 
-#define PWRITE(name, offset_type) \
-    ssize_t name(int fd, const void *bytes, size_t size, offset_type offset) { \
-        call(); \
-        return NEXT(name)(fd, bytes, size, offset); \
+#define PWRITE(name, offset_type)                                                                          \
+    ssize_t name(int fd, const void *bytes, size_t size, offset_type offset) {                             \
+        call();                                                                                            \
+        return NEXT(name)(fd, bytes, size, offset);                                                        \
     }
 PWRITE(pwrite, off_t)
 PWRITE(pwrite64, off64_t)
 
 ssize_t write(int fd, const void *bytes, size_t size) {
-    if (fd > STDERR_FILENO)
+    if (fd > STDERR_FILENO) {
         call();
+    }
     return NEXT(write)(fd, bytes, size);
 }
 
 size_t fwrite(const void *bytes, size_t size, size_t count, FILE *stream) {
-    if (is_file(stream))
+    if (is_file(stream)) {
         call();
+    }
     return NEXT(fwrite)(bytes, size, count, stream);
 }
 
 int fflush(FILE *stream) {
-    if (stream && is_file(stream))
+    if (stream && is_file(stream)) {
         call();
+    }
     return NEXT(fflush)(stream);
 }
 
 int fclose(FILE *stream) {
-    if (is_file(stream))
+    if (is_file(stream)) {
         call();
+    }
     return NEXT(fclose)(stream);
 }
 
@@ -199,13 +207,15 @@ int rmdir(const char *path) {
 int fprintf(FILE *stream, const char *format, ...) {
     char line[512];
     va_list arguments, again;
-    if (is_file(stream))
+    if (is_file(stream)) {
         call();
+    }
     va_start(arguments, format);
     va_copy(again, arguments);
     const int printed = vfprintf(stream, format, arguments);
-    if (stream == stderr && vsnprintf(line, sizeof line, format, again) > 0)
+    if (stream == stderr && vsnprintf(line, sizeof line, format, again) > 0) {
         happens("print", line);
+    }
     va_end(again);
     va_end(arguments);
     return printed;

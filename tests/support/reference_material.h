@@ -68,12 +68,15 @@ static inline float random_float(uint32_t *state, float low, float span) {
 static inline float random_parameter(uint32_t *state) {
     uint32_t choice = random_below(state, 16);
     uint32_t sign = random_bits(state) & 0x80000000u;
-    if (choice == 0)
+    if (choice == 0) {
         return 0.0f;
-    if (choice == 1)
+    }
+    if (choice == 1) {
         return float_of(sign | 0x33800000u); /* 2^-24 */
-    if (choice == 2)
+    }
+    if (choice == 2) {
         return float_of(sign | 0x4B800000u); /* 2^24 */
+    }
     return float_of(sign | (0x33800000u + random_below(state, 0x18000000u >> 8) * 256u));
 }
 
@@ -133,8 +136,9 @@ static inline void put_record(uint16_t *texel, const int32_t (*vertices)[2], con
     int32_t bx = b[0] - a[0], by = b[1] - a[1], cx = c[0] - a[0], cy = c[1] - a[1];
     int32_t size = edge ? bx * bx + by * by : bx * cy - by * cx;
     uint32_t shift = 0;
-    while (size >> shift >= 1 << 19)
+    while (size >> shift >= 1 << 19) {
         ++shift;
+    }
     for (int i = 0; i < 2; ++i) {
         texel[i] = (uint16_t)a[i];
         texel[2 + i] = (uint16_t)b[i];
@@ -157,8 +161,9 @@ static inline size_t make_table(const direction_set *set, uint32_t grid, uint16_
         texel[1] = (uint16_t)records;
         texel[2] = texel[3] = 0;
         uint16_t *record = out_table + 4 * (grid * grid + 3 * cell * records);
-        for (uint32_t i = 0; i < set->n_triangles; ++i, record += 12)
+        for (uint32_t i = 0; i < set->n_triangles; ++i, record += 12) {
             put_record(record, set->vertices, set->triangles[i], 0);
+        }
         for (uint32_t i = 0; i < set->n_hull; ++i, record += 12) {
             uint32_t corner[3] = {set->hull[i], set->hull[(i + 1) % set->n_hull],
                                   set->hull[(i + 2) % set->n_hull]};
@@ -201,8 +206,9 @@ static inline void random_bytes(uint32_t *state, uint8_t *out_bytes, size_t coun
 static inline uint16_t random_half(uint32_t *state, int extreme) {
     uint32_t bits = random_bits(state) >> 8 & 0xFFFFu;
     uint32_t magnitude = 0x400u + (bits & 0x7FFFu) % (extreme ? 0x7800u : 0x4C00u);
-    if (extreme && (bits & 0xF0u) == 0)
+    if (extreme && (bits & 0xF0u) == 0) {
         return 0;
+    }
     return (uint16_t)((bits & 0x8000u) | magnitude);
 }
 
@@ -254,8 +260,9 @@ static inline void make_material(uint32_t seed, uint32_t kind, uint32_t effects,
     for (size_t i = 0; i < sizeof s->sbrdf / sizeof *s->sbrdf; ++i) {
         /* usual: sums of lobes about 1 and exponents up to 30, a few negative */
         float usual = i % 4 == 3 ? random_float(&state, -2.0f, 32.0f) : random_float(&state, -0.25f, 1.25f);
-        if (usual > -0x1p-24f && usual < 0x1p-24f)
+        if (usual > -0x1p-24f && usual < 0x1p-24f) {
             usual = 0.0f;
+        }
         s->sbrdf[i] = extreme ? random_parameter(&state) : usual;
         s->sbrdf_half[i] = random_half(&state, extreme);
     }
@@ -264,13 +271,16 @@ static inline void make_material(uint32_t seed, uint32_t kind, uint32_t effects,
     random_bytes(&state, s->shift, sizeof s->shift);
     random_bytes(&state, s->gain, sizeof s->gain);
     random_bytes(&state, s->centre, sizeof s->centre);
-    for (size_t i = 0; i < sizeof s->residual_texels; ++i)
+    for (size_t i = 0; i < sizeof s->residual_texels; ++i) {
         s->residual_texels[i] = (int8_t)((int)random_below(&state, 255) - 127);
-    for (size_t i = 0; i < sizeof s->residual_directions; ++i)
+    }
+    for (size_t i = 0; i < sizeof s->residual_directions; ++i) {
         s->residual_directions[i] = (int8_t)((int)random_below(&state, 255) - 127);
-    for (size_t i = 0; i < sizeof s->residual_scales / sizeof *s->residual_scales; ++i)
+    }
+    for (size_t i = 0; i < sizeof s->residual_scales / sizeof *s->residual_scales; ++i) {
         s->residual_scales[i] =
             extreme ? random_parameter(&state) : random_float(&state, 0x1p-20f, 0x1p-16f);
+    }
 
     for (uint32_t view = 0; view < MADE_VIEWS; ++view) {
         for (uint32_t texel = 0; texel < MADE_TEXELS; ++texel) {
@@ -316,8 +326,9 @@ static inline void make_lists(uint32_t seed, uint32_t entries, uint8_t (*indices
                               made_storage *s, btf_ref_material *m) {
     uint32_t state = seed * 668265263u + 1u;
     state = state != 0 ? state : 1;
-    for (size_t i = 0; i < sizeof *indices; ++i)
+    for (size_t i = 0; i < sizeof *indices; ++i) {
         (*indices)[i] = (uint8_t)(random_below(&state, entries) + 16 * random_below(&state, entries));
+    }
     m->points = 0;
     m->point_lists = s->shift; /* as many entries as there are views at most */
     m->point_indices = *indices;
@@ -334,10 +345,12 @@ typedef struct made_factors {
 /** A word of codes: all at their largest or smallest, or at random; no byte is -128. */
 static inline uint32_t random_codes(uint32_t *state) {
     uint32_t choice = random_below(state, 6);
-    if (choice < 2)
+    if (choice < 2) {
         return choice == 0 ? 0x7F7F7F7Fu : 0x81818181u;
-    if (choice < 4)
+    }
+    if (choice < 4) {
         return choice == 2 ? 0xFFFFFFFFu : 0x01010101u;
+    }
     return random_bits(state) | 0x01010101u;
 }
 
@@ -363,16 +376,20 @@ static inline void make_factors(uint32_t seed, int extreme, made_factors *f, btf
     m->factor_directions = f->directions;
     m->factor_scales = f->scales;
     m->factor_views = f->views;
-    for (size_t i = 0; i < sizeof f->texels / sizeof *f->texels; ++i)
+    for (size_t i = 0; i < sizeof f->texels / sizeof *f->texels; ++i) {
         f->texels[i] = random_codes(&state);
-    for (size_t i = 0; i < sizeof f->directions / sizeof *f->directions; ++i)
+    }
+    for (size_t i = 0; i < sizeof f->directions / sizeof *f->directions; ++i) {
         f->directions[i] = random_codes(&state);
-    for (size_t i = 0; i < sizeof f->scales / sizeof *f->scales; ++i)
+    }
+    for (size_t i = 0; i < sizeof f->scales / sizeof *f->scales; ++i) {
         f->scales[i] = extreme ? random_parameter(&state) : random_float(&state, 0x1p-14f, 0x1p-10f);
-    for (size_t i = 0; i < sizeof f->views / sizeof *f->views; ++i)
+    }
+    for (size_t i = 0; i < sizeof f->views / sizeof *f->views; ++i) {
         f->views[i] = i % 4 == 3 ? 0.0f
                       : extreme  ? random_parameter(&state)
                                  : random_float(&state, 0.0f, 1.0f);
+    }
 }
 
 /** The arrays of relief and gloss that a made-up material points to, and tables of its own. */
@@ -406,13 +423,17 @@ static inline void make_relief(uint32_t seed, int extreme, made_relief *r, btf_r
     m->relief_steps = 1 + random_below(&state, 64);
     m->gloss_share = 1 + random_below(&state, 2);
     m->level = random_below(&state, 3);
-    m->relief_base = extreme ? (int32_t)random_below(&state, 65536) - 32768 : (int32_t)random_below(&state, 2048) - 1024;
+    m->relief_base =
+        extreme ? (int32_t)random_below(&state, 65536) - 32768 : (int32_t)random_below(&state, 2048) - 1024;
     int32_t room = (32767 - m->relief_base) * 256 / 255; /* the greatest height is at most 32767 */
-    m->relief_step = (int32_t)random_below(&state, extreme ? (uint32_t)(room < 32767 ? room : 32767) + 1 : 2048);
-    if (random_below(&state, 8) == 0)
+    m->relief_step =
+        (int32_t)random_below(&state, extreme ? (uint32_t)(room < 32767 ? room : 32767) + 1 : 2048);
+    if (random_below(&state, 8) == 0) {
         m->relief_step = 0;
-    if (m->relief_step == 0)
+    }
+    if (m->relief_step == 0) {
         m->relief_steps = 1;
+    }
     random_bytes(&state, r->heights, sizeof r->heights);
 
     direction_set views = made_views;

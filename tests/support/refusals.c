@@ -28,16 +28,18 @@ btf_material *create_accepted(const btf_material_desc *desc) {
     btf_material *material;
     last_message[0] = 0;
     const btf_result result = btf_material_create(desc, &log_keep, &material);
-    if (result)
+    if (result) {
         print_error("create: %s\n", last_message);
+    }
     assert_int_equal(result, BTF_OK);
     return material;
 }
 
 static void assert_refused(btf_result result, btf_result code, const char *text,
                            const btf_material *material) {
-    if (result != code || !strstr(last_message, text))
+    if (result != code || !strstr(last_message, text)) {
         print_error("expected \"%s\", got %d \"%s\"\n", text, (int)result, last_message);
+    }
     assert_int_equal(result, code);
     assert_non_null(strstr(last_message, text));
     assert_null(material);

@@ -9,7 +9,8 @@
 
 typedef void (*function)(void);
 typedef void (*make_image)(uint32_t target, int32_t level, int32_t internal, int32_t width, int32_t height,
-                           int32_t depth, int32_t border, uint32_t format, uint32_t type, const void *pixels);
+                           int32_t depth, int32_t border, uint32_t format, uint32_t type,
+                           const void *pixels);
 typedef uint32_t (*get_error)(void);
 
 static make_image next_make_image;
@@ -17,12 +18,14 @@ static get_error next_get_error;
 static int refused;
 
 static void refuse_folds(uint32_t target, int32_t level, int32_t internal, int32_t width, int32_t height,
-                         int32_t depth, int32_t border, uint32_t format, uint32_t type, const void *pixels) {
+                         int32_t depth, int32_t border, uint32_t format, uint32_t type,
+                         const void *pixels) {
     enum { GL_RGBA32UI = 0x8D70 };
-    if (internal == GL_RGBA32UI && depth > 2 && !pixels)
+    if (internal == GL_RGBA32UI && depth > 2 && !pixels) {
         refused = 1;
-    else
+    } else {
         next_make_image(target, level, internal, width, height, depth, border, format, type, pixels);
+    }
 }
 
 static uint32_t tell(void) {

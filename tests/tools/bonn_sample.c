@@ -16,8 +16,9 @@ static const double directions[DIRECTIONS][2] = {{0, 0},    {40, 0},   {40, 60},
 
 static double of_direction(int view, int light, int channel, unsigned k) {
     const double *v = directions[view], *l = directions[light];
-    if (k == 0)
+    if (k == 0) {
         return channel == 0 ? log(0.05 + 0.6 * cos(l[0] * M_PI / 180)) : 0.05 * channel;
+    }
     return cos(0.05 * k * (v[0] + 0.3 * l[0]) + 0.02 * k * (v[1] - l[1]) + channel) / (1.0 + k);
 }
 

@@ -18,8 +18,9 @@ static void print_message(void *user, btf_log_level level, const char *message) 
 
 int main(int argc, char **argv) {
     const btf_log log = {print_message, NULL};
-    if (argc < 3)
+    if (argc < 3) {
         return 1;
+    }
     random_state r = {strtoul(argv[2], NULL, 10)};
     const btf_layout layout =
         argc > 3 && strcmp(argv[3], "paper") == 0 ? BTF_LAYOUT_PAPER : BTF_LAYOUT_TIGHT;
@@ -42,8 +43,9 @@ int main(int argc, char **argv) {
     factor_material_fill(&r, &desc);
     btf_material *material = NULL;
     btf_result result = btf_material_create(&desc, &log, &material);
-    if (!result)
+    if (!result) {
         result = btf_material_save(material, argv[1], &log);
+    }
     btf_material_close(&material);
     random_material_free(&desc);
     return result;

@@ -25,14 +25,18 @@ static int exchange(const enc_context *context) {
         in[s + 1] = in[s] + 3 * rank * s;
     }
     float *send = calloc(out[size] + 1, sizeof *send), *receive = calloc(in[size] + 1, sizeof *receive);
-    for (size_t s = 0; s < size && send; s++)
-        for (size_t i = out[s]; i < out[s + 1]; i++)
+    for (size_t s = 0; s < size && send; s++) {
+        for (size_t i = out[s]; i < out[s + 1]; i++) {
             send[i] = value(rank, s, i - out[s]);
+        }
+    }
     const btf_result result = send && receive ? BTF_OK : BTF_ERROR_MEMORY;
     wrong += enc_ranks_exchange(context, result, send, out, receive, in) != BTF_OK;
-    for (size_t s = 0; s < size && receive; s++)
-        for (size_t i = in[s]; i < in[s + 1]; i++)
+    for (size_t s = 0; s < size && receive; s++) {
+        for (size_t i = in[s]; i < in[s + 1]; i++) {
             wrong += receive[i] != value(s, rank, i - in[s]);
+        }
+    }
     free(send);
     free(receive);
     return wrong;
@@ -45,16 +49,20 @@ static int check(const enc_context *context) {
     size_t first, end;
     int wrong = exchange(context);
     enc_ranks_range(context, ITEMS, &first, &end);
-    for (size_t i = first; i < end; i++)
+    for (size_t i = first; i < end; i++) {
         items[i] = (uint32_t)(7 * i + 1);
+    }
     wrong += enc_ranks_gather(context, BTF_OK, items, sizeof *items, ITEMS) != BTF_OK;
-    for (size_t i = 0; i < ITEMS; i++)
+    for (size_t i = 0; i < ITEMS; i++) {
         wrong += items[i] != 7 * i + 1;
-    for (size_t i = 0; i < 9 && rank == 0; i++)
+    }
+    for (size_t i = 0; i < 9 && rank == 0; i++) {
         text[i] = (uint32_t)(i + 11);
+    }
     wrong += enc_ranks_broadcast(context, BTF_OK, text, sizeof text) != BTF_OK;
-    for (size_t i = 0; i < 9; i++)
+    for (size_t i = 0; i < 9; i++) {
         wrong += text[i] != i + 11;
+    }
     uint64_t sums[1] = {rank};
     const size_t size = (size_t)enc_ranks_count(context);
     wrong += enc_ranks_sum(context, BTF_OK, sums, 1) != BTF_OK || sums[0] != size * (size - 1) / 2;
@@ -72,8 +80,9 @@ int main(void) {
         wrong += check(&context);
     }
     wrong += share.threads < 1 || share.memory != 64 / (uint64_t)enc_ranks_node_ranks(&context);
-    if (wrong > 0)
+    if (wrong > 0) {
         fprintf(stderr, "rank %d: %d values are wrong\n", enc_ranks_own(&context), wrong);
+    }
     enc_mpi_stop(&ranks);
     return wrong > 0 ? 7 : 0;
 }

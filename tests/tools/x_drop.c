@@ -28,8 +28,9 @@ static void send(const drop *d, const char *type, long a, long b, long c, long e
     event.xclient.message_type = atom(d, type);
     event.xclient.format = 32;
     const long words[5] = {(long)d->source, a, b, c, e};
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < 5; i++) {
         event.xclient.data.l[i] = words[i];
+    }
     XSendEvent(d->display, d->target, False, NoEventMask, &event);
     XFlush(d->display);
 }
@@ -57,10 +58,12 @@ static int wait_for(const drop *d, const char *type) {
         while (XPending(d->display)) {
             XEvent event;
             XNextEvent(d->display, &event);
-            if (event.type == SelectionRequest)
+            if (event.type == SelectionRequest) {
                 answer(d, &event.xselectionrequest);
-            if (event.type == ClientMessage && event.xclient.message_type == wanted)
+            }
+            if (event.type == ClientMessage && event.xclient.message_type == wanted) {
                 return 1;
+            }
         }
         nanosleep(&pause, NULL);
     }

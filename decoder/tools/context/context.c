@@ -29,8 +29,9 @@ const context_device context_devices[] = {
 };
 
 void context_prepare(const context_device *device) {
-    if (device->gallium_driver)
+    if (device->gallium_driver) {
         setenv("GALLIUM_DRIVER", device->gallium_driver, 1);
+    }
 }
 
 context *context_create(const context_device *device, char *why, size_t why_size) {
@@ -54,8 +55,9 @@ context *context_create(const context_device *device, char *why, size_t why_size
 }
 
 void context_destroy(context **c) {
-    if (!c || !*c)
+    if (!c || !*c) {
         return;
+    }
     (*c)->provider->destroy((*c)->self);
     free(*c);
     *c = NULL;

@@ -26,8 +26,9 @@ static EGLContext make_context(EGLDisplay display, const context_request *reques
     EGLConfig config = EGL_NO_CONFIG_KHR;
     EGLint count = 0;
     if (!eglBindAPI(request->es ? EGL_OPENGL_ES_API : EGL_OPENGL_API) ||
-        !eglChooseConfig(display, config_attributes, &config, 1, &count) || count < 1)
+        !eglChooseConfig(display, config_attributes, &config, 1, &count) || count < 1) {
         return EGL_NO_CONTEXT;
+    }
     EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
                            request->major,
                            EGL_CONTEXT_MINOR_VERSION,
@@ -40,8 +41,9 @@ static EGLContext make_context(EGLDisplay display, const context_request *reques
 
 /* True when the display gave a context and made it current. */
 static int try_display(egl *self, EGLDisplay display, const context_request *request) {
-    if (display == EGL_NO_DISPLAY || !eglInitialize(display, NULL, NULL))
+    if (display == EGL_NO_DISPLAY || !eglInitialize(display, NULL, NULL)) {
         return 0;
+    }
     EGLContext context = make_context(display, request);
     if (context != EGL_NO_CONTEXT) {
         if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) {
@@ -62,11 +64,14 @@ static int try_devices(egl *self, const context_request *request) {
     PFNEGLQUERYDEVICESEXTPROC query = (PFNEGLQUERYDEVICESEXTPROC)eglGetProcAddress("eglQueryDevicesEXT");
     PFNEGLGETPLATFORMDISPLAYEXTPROC get =
         (PFNEGLGETPLATFORMDISPLAYEXTPROC)eglGetProcAddress("eglGetPlatformDisplayEXT");
-    if (!query || !get || !query(MAX_DEVICES, devices, &count))
+    if (!query || !get || !query(MAX_DEVICES, devices, &count)) {
         return 0;
-    for (EGLint i = 0; i < count; ++i)
-        if (try_display(self, get(EGL_PLATFORM_DEVICE_EXT, devices[i], NULL), request))
+    }
+    for (EGLint i = 0; i < count; ++i) {
+        if (try_display(self, get(EGL_PLATFORM_DEVICE_EXT, devices[i], NULL), request)) {
             return 1;
+        }
+    }
     return 0;
 }
 
@@ -81,8 +86,9 @@ static void *create(const context_request *request, char *why, size_t why_size) 
     /* BTF_EGL_DEVICE in the environment asks for a device at once, past Mesa's software. */
     int devices_first = getenv("BTF_EGL_DEVICE") != NULL;
     if ((devices_first && try_devices(self, request)) || try_display(self, surfaceless, request) ||
-        (!devices_first && try_devices(self, request)))
+        (!devices_first && try_devices(self, request))) {
         return self;
+    }
     snprintf(why, why_size, "EGL cannot create an OpenGL %s%d.%d context without a surface",
              request->es ? "ES " : "", request->major, request->minor);
     free(self);

@@ -22,8 +22,9 @@ static void *create(const context_request *request, char *why, size_t why_size) 
     glfwWindowHint(GLFW_CLIENT_API, request->es ? GLFW_OPENGL_ES_API : GLFW_OPENGL_API);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, request->major);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, request->minor);
-    if (!request->es)
+    if (!request->es) {
         glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    }
     GLFWwindow *window = glfwCreateWindow(16, 16, "OpenBTF", NULL, NULL);
     if (!window) {
         glfwGetError(&reason);

@@ -38,8 +38,9 @@ static void *create(const context_request *request, char *why, size_t why_size) 
     if (!self->context || !OSMesaMakeCurrent(self->context, self->pixels, GL_UNSIGNED_BYTE, 16, 16)) {
         snprintf(why, why_size, "OSMesa cannot create an OpenGL %d.%d core context", request->major,
                  request->minor);
-        if (self->context)
+        if (self->context) {
             OSMesaDestroyContext(self->context);
+        }
         free(self);
         return NULL;
     }

@@ -12,8 +12,9 @@ static void log_error(const btf_log *log, const char *format, ...) __attribute__
 static void log_error(const btf_log *log, const char *format, ...) {
     char text[2000];
     va_list arguments;
-    if (!log || !log->callback)
+    if (!log || !log->callback) {
         return;
+    }
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
@@ -40,8 +41,9 @@ static GLuint compile(const gl_api *gl, GLenum kind, const char *version, const 
     enum { MOST = 8 };
     const char *all[MOST] = {version};
     GLsizei count = 1;
-    while (*parts && count < MOST)
+    while (*parts && count < MOST) {
         all[count++] = *parts++;
+    }
     GLuint shader = gl->CreateShader(kind);
     GLint ok = 0;
     gl->ShaderSource(shader, count, all, NULL);
@@ -78,16 +80,19 @@ GLuint gl_api_program(const gl_api *gl, const char *version, const char *const *
         }
         gl->DeleteShader(fragment_shader);
     }
-    if (vertex_shader)
+    if (vertex_shader) {
         gl->DeleteShader(vertex_shader);
+    }
     return program;
 }
 
 bool gl_api_has(const gl_api *gl, const char *extension) {
     GLint count = 0;
     gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
-    for (GLint i = 0; i < count; i++)
-        if (!strcmp((const char *)gl->GetStringi(GL_EXTENSIONS, (GLuint)i), extension))
+    for (GLint i = 0; i < count; i++) {
+        if (!strcmp((const char *)gl->GetStringi(GL_EXTENSIONS, (GLuint)i), extension)) {
             return true;
+        }
+    }
     return false;
 }

@@ -40,10 +40,12 @@ int find_rings(const btf_directions *d, ring rings[BTF_MAX_DIRECTIONS]) {
         double theta =
             atan2(hypot((double)v[0], (double)v[1]), (double)v[2]) * (180 / 3.14159265358979323846);
         int r = 0;
-        while (r < count && fabs(rings[r].theta - theta) >= 0.05)
+        while (r < count && fabs(rings[r].theta - theta) >= 0.05) {
             r++;
-        if (r == count)
+        }
+        if (r == count) {
             rings[count++] = (ring){round(theta * 100) / 100, 0};
+        }
         rings[r].count++;
     }
     return count;
@@ -52,9 +54,11 @@ int find_rings(const btf_directions *d, ring rings[BTF_MAX_DIRECTIONS]) {
 /* The row that decodes exactly these effects; NULL when the encoder did not measure it. */
 static const btf_material_error *find_error(const btf_material_error *errors, size_t count,
                                             uint32_t effects) {
-    for (size_t i = 0; i < count; i++)
-        if (errors[i].effects == effects)
+    for (size_t i = 0; i < count; i++) {
+        if (errors[i].effects == effects) {
             return &errors[i];
+        }
+    }
     return NULL;
 }
 
@@ -63,8 +67,9 @@ bool find_gain(const btf_material_error *errors, size_t count, uint32_t effect,
     bool found = false;
     for (size_t i = 0; i < count; i++) {
         const btf_material_error *without = find_error(errors, count, errors[i].effects & ~effect);
-        if (!(errors[i].effects & effect) || !without)
+        if (!(errors[i].effects & effect) || !without) {
             continue;
+        }
         if (!found || __builtin_popcount(errors[i].effects) > __builtin_popcount((*out_with)->effects)) {
             *out_with = &errors[i];
             *out_without = without;
@@ -100,9 +105,11 @@ double decibels(float mse) {
 const btf_level_error *find_level_error(const btf_material *material, uint32_t level) {
     size_t count;
     const btf_level_error *errors = btf_material_level_errors(material, &count);
-    for (size_t i = 0; i < count; i++)
-        if (errors[i].level == level)
+    for (size_t i = 0; i < count; i++) {
+        if (errors[i].level == level) {
             return &errors[i];
+        }
+    }
     return NULL;
 }
 
@@ -124,7 +131,8 @@ relief_range find_relief(const btf_material *material, const btf_material_info *
     const double texel = 256.0 * (1u << info->relief_level);
     relief_range range = {.low = (info->relief_base + (least * info->relief_step >> 8)) / texel,
                           .high = (info->relief_base + (most * info->relief_step >> 8)) / texel};
-    for (uint32_t v = 0; v < info->n_views; v++)
+    for (uint32_t v = 0; v < info->n_views; v++) {
         range.views += vectors[4 * (size_t)v + 3] != 0;
+    }
     return range;
 }

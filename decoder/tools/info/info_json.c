@@ -10,8 +10,9 @@
 
 btf_result put_json(const cli_program *program, json *j) {
     const char *text = json_text(j);
-    if (text)
+    if (text) {
         fputs(text, stdout);
+    }
     json_free(j);
     return text ? BTF_OK : cli_error(program, BTF_ERROR_MEMORY, "out of memory");
 }
@@ -32,8 +33,9 @@ static void json_directions(json *j, const char *key, const btf_directions *d) {
     json_integer(j, "triangles", d->triangle_count);
     json_integer(j, "grid", d->grid);
     json_array(j, "xyz");
-    for (uint32_t i = 0; i < 3 * d->count; i++)
+    for (uint32_t i = 0; i < 3 * d->count; i++) {
         json_float(j, NULL, d->xyz[i]);
+    }
     json_end(j);
     json_end(j);
 }
@@ -41,9 +43,11 @@ static void json_directions(json *j, const char *key, const btf_directions *d) {
 void json_effect_list(json *j, const char *key, uint32_t effects) {
     char word[48];
     json_array(j, key);
-    for (uint32_t bit = 1; bit < BTF_EFFECT_ALL; bit <<= 1)
-        if (effects & bit)
+    for (uint32_t bit = 1; bit < BTF_EFFECT_ALL; bit <<= 1) {
+        if (effects & bit) {
             json_string(j, NULL, cli_effects_text(bit, word));
+        }
+    }
     json_end(j);
 }
 
@@ -53,7 +57,7 @@ static void json_effects(json *j, const btf_material *material, const btf_materi
     const btf_material_error *errors = btf_material_errors(material, &count), *with, *without;
     json_effect_list(j, "effects", info->effects);
     json_object(j, "buys");
-    for (uint32_t bit = 1; bit < BTF_EFFECT_ALL; bit <<= 1)
+    for (uint32_t bit = 1; bit < BTF_EFFECT_ALL; bit <<= 1) {
         if (info->effects & bit & BETWEEN_EFFECTS) {
             double gain[2];
             json_object(j, cli_effects_text(bit, word));
@@ -71,6 +75,7 @@ static void json_effects(json *j, const btf_material *material, const btf_materi
             json_number(j, "bytes", (double)with->gpu_bytes - (double)without->gpu_bytes);
             json_end(j);
         }
+    }
     json_end(j);
     json_array(j, "errors");
     for (size_t i = 0; i < count; i++) {
@@ -120,8 +125,9 @@ static void json_textures(json *j, const btf_material *material, const btf_mater
     json_object(j, "textures");
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
         btf_texture t = btf_material_texture(material, (btf_texture_id)id);
-        if (t.format == BTF_FORMAT_NONE)
+        if (t.format == BTF_FORMAT_NONE) {
             continue;
+        }
         json_object(j, btf_texture_name((btf_texture_id)id));
         json_string(j, "format", format_name(t.format));
         json_integer(j, "width", t.width);
@@ -141,8 +147,9 @@ static void json_classes(json *j, const btf_material_info *info) {
     json_array(j, "classes");
     for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
         const class_counts n = count_class(info, c);
-        if (n.units == 0)
+        if (n.units == 0) {
             continue;
+        }
         json_object(j, NULL);
         json_integer(j, "w_bits", class_bits[c][0]);
         json_integer(j, "u_bits", class_bits[c][1]);

@@ -12,8 +12,9 @@ static void json_range(json *j, const char *key, const btf_range *r) {
     json_object(j, key);
     json_bool(j, "fixed", r->fixed);
     json_array(j, r->fixed ? "direction" : "theta");
-    for (int i = 0; i < (r->fixed ? 3 : 2); i++)
+    for (int i = 0; i < (r->fixed ? 3 : 2); i++) {
         json_float(j, NULL, r->fixed ? r->direction[i] : r->theta[i]);
+    }
     json_end(j);
     if (!r->fixed) {
         json_array(j, "phi");
@@ -39,9 +40,11 @@ static btf_result print_json_plan(const cli_program *program, const char *path, 
     json_bool(&j, "bilinear", plan->shader.filter == BTF_FILTER_BILINEAR);
     json_integer(&j, "level", plan->level);
     json_array(&j, "textures");
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
-        if (plan->textures >> id & 1)
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        if (plan->textures >> id & 1) {
             json_string(&j, NULL, btf_texture_name((btf_texture_id)id));
+        }
+    }
     json_end(&j);
     json_integer(&j, "views", plan->views);
     json_integer(&j, "lights", plan->lights);
@@ -71,15 +74,19 @@ btf_result print_plan(const cli_program *program, const char *path, const btf_ma
                       const scene_option *scene, bool as_json) {
     btf_plan plan;
     btf_result result = btf_plan_effects(material, &scene->scene, scene->tolerance, &plan);
-    if (result)
+    if (result) {
         return cli_error(program, result, "option --plan: no plan can be made for this scene");
-    if (as_json)
+    }
+    if (as_json) {
         return print_json_plan(program, path, &plan, scene->tolerance);
+    }
     scene_plan_print(stdout, "", material, &plan);
     printf("textures");
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
-        if (plan.textures >> id & 1)
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        if (plan.textures >> id & 1) {
             printf(" %s", btf_texture_name((btf_texture_id)id));
+        }
+    }
     printf("\n");
     return BTF_OK;
 }

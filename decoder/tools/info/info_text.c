@@ -17,9 +17,10 @@ enum { LABEL = 16, LINE = 100, MOST_RINGS = 16 };
  * columns. */
 static int print_safe(const char *text, int length) {
     int columns = 0;
-    for (const char *c = text; c < text + length; c++)
+    for (const char *c = text; c < text + length; c++) {
         columns += (unsigned char)*c < ' ' || *c == 0x7f ? printf("\\x%02x", (unsigned)(unsigned char)*c)
                                                          : printf("%c", *c);
+    }
     return columns;
 }
 
@@ -28,10 +29,11 @@ static void print_wrapped(const char *label, const char *words) {
     int column = printf("  %-14s", label);
     while (*words) {
         const int length = (int)strcspn(words, " ");
-        if (column > LABEL && column + 1 + length > LINE)
+        if (column > LABEL && column + 1 + length > LINE) {
             column = printf("\n%*s", LABEL, "") - 1;
-        else if (column > LABEL)
+        } else if (column > LABEL) {
             column += printf(" ");
+        }
         column += print_safe(words, length);
         words += length;
         words += strspn(words, " ");
@@ -44,9 +46,10 @@ static void print_rings(const char *name, const btf_directions *d) {
     char text[MOST_RINGS * 40 + 160];
     const int count = find_rings(d, rings);
     int length = snprintf(text, sizeof text, "%u:", (unsigned)d->count);
-    for (int i = 0; i < count && count <= MOST_RINGS; i++)
+    for (int i = 0; i < count && count <= MOST_RINGS; i++) {
         length += snprintf(text + length, sizeof text - (size_t)length, " %g\u00B0 x %d%s", rings[i].theta,
                            rings[i].count, i + 1 < count ? "," : "");
+    }
     if (count > MOST_RINGS) {
         double low = rings[0].theta, high = low;
         for (int i = 1; i < count; i++) {
@@ -66,9 +69,10 @@ static void print_between_gain(const btf_material *material, uint32_t effect) {
     char word[48];
     double gain[2];
     printf("  %-14sacts between the samples only", cli_effects_text(effect, word));
-    if (between_gain(material, effect, gain))
+    if (between_gain(material, effect, gain)) {
         printf(": %+.2f dB linear, %+.2f dB sRGB where views%s are left out", gain[0], gain[1],
                effect == BTF_EFFECT_GLOSS ? " and lights" : "");
+    }
     printf(", for %zu bytes\n", between_bytes(material, effect));
 }
 
@@ -77,26 +81,31 @@ static void print_effects(const btf_material *material, const btf_material_info 
     size_t count;
     const btf_material_error *errors = btf_material_errors(material, &count), *with, *without;
     printf("\nEffects: %s\n", cli_effects_text(info->effects, words));
-    for (uint32_t bit = 1; bit < BTF_EFFECT_ALL; bit <<= 1)
-        if (info->effects & bit & BETWEEN_EFFECTS)
+    for (uint32_t bit = 1; bit < BTF_EFFECT_ALL; bit <<= 1) {
+        if (info->effects & bit & BETWEEN_EFFECTS) {
             print_between_gain(material, bit);
-        else if (info->effects & bit && find_gain(errors, count, bit, &with, &without))
+        } else if (info->effects & bit && find_gain(errors, count, bit, &with, &without)) {
             printf("  %-14s%+.2f dB linear, %+.2f dB sRGB for %.0f bytes\n", cli_effects_text(bit, words),
                    (double)(with->psnr_linear - without->psnr_linear),
                    (double)(with->psnr_srgb - without->psnr_srgb),
                    (double)(with->gpu_bytes - without->gpu_bytes));
-    if (count)
+        }
+    }
+    if (count) {
         printf("Accuracy at the samples, measured by the encoder (PSNR in dB, linear / sRGB):\n");
-    for (size_t i = 0; i < count; i++)
+    }
+    for (size_t i = 0; i < count; i++) {
         printf("  %6.2f / %6.2f  %9.0f bytes  %s\n", (double)errors[i].psnr_linear,
                (double)errors[i].psnr_srgb, (double)errors[i].gpu_bytes,
                cli_effects_text(errors[i].effects, words));
+    }
 }
 
 static void print_between(const btf_material *material) {
     const btf_between_errors e = btf_material_between_errors(material);
-    if (e.row_count == 0)
+    if (e.row_count == 0) {
         return;
+    }
     printf(
         "\n"
         "Between the samples, estimated by predicting samples left out from neighbours twice as far away\n"
@@ -111,8 +120,9 @@ static void print_between(const btf_material *material) {
 }
 
 static void print_levels(const btf_material *material, const btf_material_info *info) {
-    if (info->levels < 2)
+    if (info->levels < 2) {
         return;
+    }
     printf("\nLevels of detail (PSNR in dB against the area-filtered original, linear / sRGB):\n");
     for (uint32_t i = 0; i < info->levels; i++) {
         const btf_level_error *error = find_level_error(material, i);
@@ -120,8 +130,9 @@ static void print_levels(const btf_material *material, const btf_material_info *
         snprintf(size, sizeof size, "%u x %u", (unsigned)btf_level_size(info->width, i),
                  (unsigned)btf_level_size(info->height, i));
         printf("  %-3u%-16s%12zu bytes", (unsigned)i, size, btf_level_bytes(info, i));
-        if (error)
+        if (error) {
             printf("  %6.2f / %6.2f", (double)error->psnr_linear, (double)error->psnr_srgb);
+        }
         printf("\n");
     }
 }
@@ -130,31 +141,36 @@ static void print_textures(const btf_material *material, const btf_material_info
     printf("\nTextures:\n");
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
         btf_texture t = btf_material_texture(material, (btf_texture_id)id);
-        if (t.format == BTF_FORMAT_NONE)
+        if (t.format == BTF_FORMAT_NONE) {
             continue;
+        }
         char size[48];
-        if (t.is_array)
+        if (t.is_array) {
             snprintf(size, sizeof size, "%u x %u x %u", (unsigned)t.width, (unsigned)t.height,
                      (unsigned)t.layers);
-        else
+        } else {
             snprintf(size, sizeof size, "%u x %u", (unsigned)t.width, (unsigned)t.height);
+        }
         printf("  %-20s%-9s%-20s%12zu bytes", btf_texture_name((btf_texture_id)id), format_name(t.format),
                size, t.size);
-        if (is_table((btf_texture_id)id))
+        if (is_table((btf_texture_id)id)) {
             printf("  (table)\n");
-        else
+        } else {
             printf("%10.2f a texel\n", (double)t.size / ((double)info->width * info->height));
+        }
     }
 }
 
 static void print_points(const btf_material_info *info) {
-    if (info->point_store == BTF_POINTS_SEPARATE)
+    if (info->point_store == BTF_POINTS_SEPARATE) {
         return;
+    }
     printf("  %-14s", "points");
-    if (info->point_store == BTF_POINTS_LISTS)
+    if (info->point_store == BTF_POINTS_LISTS) {
         printf("lists of %u points a texel", (unsigned)info->point_entries);
-    else
+    } else {
         printf("packed");
+    }
     printf(": shifts within -32..31, gain %g + %g * 0..15\n", (double)info->gain_base,
            (double)info->gain_step);
 }
@@ -163,38 +179,44 @@ static void print_relief(const btf_material *material, const btf_material_info *
     if (info->effects & BTF_EFFECT_RELIEF) {
         const relief_range r = find_relief(material, info);
         printf("  %-14s", "relief");
-        if (info->relief_step > 0)
+        if (info->relief_step > 0) {
             printf("heights %.3g to %.3g texels, %u step%s", r.low, r.high, (unsigned)info->relief_steps,
                    info->relief_steps == 1 ? "" : "s");
-        else
+        } else {
             printf("height %.3g texels everywhere", r.low);
+        }
         printf(", on %u of %u views", (unsigned)r.views, (unsigned)info->n_views);
-        if (info->relief_end < info->levels)
+        if (info->relief_end < info->levels) {
             printf(", below level %u", (unsigned)info->relief_end);
+        }
         printf("\n");
     }
-    if (info->effects & BTF_EFFECT_GLOSS)
+    if (info->effects & BTF_EFFECT_GLOSS) {
         printf("  %-14skeeps %g of the half vector\n", "gloss", info->gloss_share / 4.0);
+    }
 }
 
 static void print_residual(const btf_material_info *info) {
     if (info->store == BTF_STORE_COMPONENTS) {
-        if (info->components)
+        if (info->components) {
             printf("  %-14s%u components\n", "residual", (unsigned)info->components);
+        }
         return;
     }
     uint32_t components = 0;
-    for (int c = 0; c < BTF_FACTOR_CLASSES; c++)
+    for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
         components += count_class(info, c).components;
+    }
     printf("  %-14s%u unit%s of factors, %u components\n", "residual", (unsigned)info->components,
            info->components == 1 ? "" : "s", (unsigned)components);
     for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
         const class_counts n = count_class(info, c);
-        if (n.units)
+        if (n.units) {
             printf("  %-14s%d bits of w, %d of u: %u unit%s, words: Y %u, C1 %u, C2 %u; %u components\n",
                    "", class_bits[c][0], class_bits[c][1], (unsigned)n.units, n.units == 1 ? "" : "s",
                    (unsigned)n.words[0], (unsigned)n.words[1], (unsigned)n.words[2],
                    (unsigned)n.components);
+        }
     }
     const double horizon = 90 - asin(1 / (double)info->horizon_scale) * (180 / 3.14159265358979323846);
     printf("  %-14sfactors fade to black from theta %.4g\u00B0 of the light to 90\u00B0\n", "horizon",
@@ -208,38 +230,45 @@ void print_text(const char *path, uint64_t file_bytes, const btf_material *mater
     print_safe(path, (int)strlen(path));
     printf(": OpenBTF material, format version %u\n", (unsigned)info->version);
     printf("  %-14s%u x %u texels\n", "size", (unsigned)info->width, (unsigned)info->height);
-    if (info->levels > 1)
+    if (info->levels > 1) {
         printf("  %-14s%u, down to %u x %u texels\n", "levels", (unsigned)info->levels,
                (unsigned)btf_level_size(info->width, info->levels - 1),
                (unsigned)btf_level_size(info->height, info->levels - 1));
+    }
     print_rings("views", &views);
     print_rings("lights", &lights);
     printf("  %-14s%s, domain %s\n", "layout", layout_names[info->layout], domain_names[info->domain]);
-    if (info->layout == BTF_LAYOUT_PAPER)
+    if (info->layout == BTF_LAYOUT_PAPER) {
         printf("  %-14s%u x %u\n", "atlas", (unsigned)info->atlas_width, (unsigned)info->atlas_height);
+    }
     printf("  %-14s%u lobe%s, colour %s%s\n", "model", (unsigned)info->lobes, info->lobes == 1 ? "" : "s",
            colour_names[info->colour],
            info->colour == BTF_COLOUR_NONE ? ""
            : info->half_float              ? ", half"
                                            : ", float");
-    if (info->centres)
+    if (info->centres) {
         printf("  %-14s%u\n", "centres", (unsigned)info->centres);
+    }
     print_points(info);
     print_residual(info);
     print_relief(material, info);
-    if (info->version >= 2)
+    if (info->version >= 2) {
         printf("  %-14s%s\n", "blend", blend_names[info->blend]);
+    }
     printf("  %-14sradiance %g, shadow %g, gain %g, centre %g\n", "scales", (double)info->radiance_scale,
            (double)info->shadow_scale, (double)info->gain_scale, (double)info->centre_scale);
     printf("  %-14sfile %llu, gpu %zu (%.2f%% of %.0f 8-bit samples saved), tables %zu\n", "bytes",
            (unsigned long long)file_bytes, info->gpu_bytes, 100 * (1 - (double)info->gpu_bytes / samples),
            samples, info->table_bytes);
-    if (*info->method)
+    if (*info->method) {
         print_wrapped("method", info->method);
-    if (*info->options)
+    }
+    if (*info->options) {
         print_wrapped("options", info->options);
-    if (*info->source)
+    }
+    if (*info->source) {
         print_wrapped("source", info->source);
+    }
     print_effects(material, info);
     print_between(material);
     print_levels(material, info);

@@ -34,7 +34,7 @@ static void bound(const bvh *b, node *n, uint32_t first, uint32_t count) {
         n->low[axis] = INFINITY;
         n->high[axis] = -INFINITY;
     }
-    for (uint32_t i = first; i < first + count; i++)
+    for (uint32_t i = first; i < first + count; i++) {
         for (int k = 0; k < 3; k++) {
             vec3 p = corner(b, b->order[i], k);
             for (int axis = 0; axis < 3; axis++) {
@@ -42,6 +42,7 @@ static void bound(const bvh *b, node *n, uint32_t first, uint32_t count) {
                 n->high[axis] = fmax(n->high[axis], component(p, axis));
             }
         }
+    }
 }
 
 /* Less by centre, then by number, so that the order is total. */
@@ -58,22 +59,25 @@ static void select_nth(bvh *b, uint32_t first, uint32_t count, uint32_t k, int a
         const uint32_t pivot = b->order[low + (high - low) / 2];
         int64_t i = low, j = high;
         while (i <= j) {
-            while (before(b, b->order[i], pivot, axis))
+            while (before(b, b->order[i], pivot, axis)) {
                 i++;
-            while (before(b, pivot, b->order[j], axis))
+            }
+            while (before(b, pivot, b->order[j], axis)) {
                 j--;
+            }
             if (i <= j) {
                 uint32_t swap = b->order[i];
                 b->order[i++] = b->order[j];
                 b->order[j--] = swap;
             }
         }
-        if (target <= j)
+        if (target <= j) {
             high = j;
-        else if (target >= i)
+        } else if (target >= i) {
             low = i;
-        else
+        } else {
             return;
+        }
     }
 }
 
@@ -83,12 +87,15 @@ static uint32_t build(bvh *b, uint32_t first, uint32_t count) {
     bound(b, n, first, count);
     n->first = first;
     n->count = count;
-    if (count <= LEAF)
+    if (count <= LEAF) {
         return self;
+    }
     int axis = 0;
-    for (int k = 1; k < 3; k++)
-        if (n->high[k] - n->low[k] > n->high[axis] - n->low[axis])
+    for (int k = 1; k < 3; k++) {
+        if (n->high[k] - n->low[k] > n->high[axis] - n->low[axis]) {
             axis = k;
+        }
+    }
     const uint32_t half = count / 2;
     select_nth(b, first, count, half, axis);
     build(b, first, half);
@@ -100,8 +107,9 @@ static uint32_t build(bvh *b, uint32_t first, uint32_t count) {
 
 bvh *bvh_create(const mesh *m) {
     bvh *b = calloc(1, sizeof *b);
-    if (!b)
+    if (!b) {
         return NULL;
+    }
     const size_t count = m->triangle_count ? m->triangle_count : 1;
     b->mesh = m;
     b->nodes = calloc(2 * count, sizeof *b->nodes);
@@ -120,8 +128,9 @@ bvh *bvh_create(const mesh *m) {
 }
 
 void bvh_destroy(bvh **b) {
-    if (!b || !*b)
+    if (!b || !*b) {
         return;
+    }
     free((*b)->nodes);
     free((*b)->order);
     free((*b)->centres);
@@ -140,12 +149,15 @@ static bool meets_box(const node *n, const double origin[3], const double invers
             far = swap;
         }
         const double slack = 1e-12 * (fabs(near) + fabs(far));
-        if (near - slack > t_min)
+        if (near - slack > t_min) {
             t_min = near - slack;
-        if (far + slack < t_max)
+        }
+        if (far + slack < t_max) {
             t_max = far + slack;
-        if (t_min > t_max)
+        }
+        if (t_min > t_max) {
             return false;
+        }
     }
     return true;
 }
@@ -157,37 +169,44 @@ static void meet_triangle(const bvh *b, uint32_t triangle, vec3 origin, vec3 dir
          e2 = vec_sub(corner(b, triangle, 2), a);
     vec3 p = vec_cross(direction, e2);
     double determinant = vec_dot(e1, p);
-    if (determinant == 0)
+    if (determinant == 0) {
         return;
+    }
     double inverse = 1 / determinant;
     vec3 s = vec_sub(origin, a);
     double u = vec_dot(s, p) * inverse;
     vec3 q = vec_cross(s, e1);
     double v = vec_dot(direction, q) * inverse, t = vec_dot(e2, q) * inverse;
     const double edge = -1e-9; /* so that no ray slips between two triangles */
-    if (!(u >= edge && v >= edge && u + v <= 1 - edge && t > t_min))
+    if (!(u >= edge && v >= edge && u + v <= 1 - edge && t > t_min)) {
         return;
-    if (t < best->t || (t == best->t && triangle < best->triangle))
+    }
+    if (t < best->t || (t == best->t && triangle < best->triangle)) {
         *best = (bvh_hit){t, u, v, triangle};
+    }
 }
 
 bool bvh_trace(const bvh *b, vec3 origin, vec3 direction, double t_min, double t_max, bvh_hit *out_hit) {
     const double from[3] = {origin.x, origin.y, origin.z};
     double along[3] = {direction.x, direction.y, direction.z}, inverse[3];
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; axis++) {
         inverse[axis] = 1 / (fabs(along[axis]) > 1e-300 ? along[axis] : 1e-300);
+    }
     uint32_t stack[MAX_DEPTH];
     int depth = 0;
     *out_hit = (bvh_hit){t_max, 0, 0, UINT32_MAX};
-    if (b->mesh->triangle_count)
+    if (b->mesh->triangle_count) {
         stack[depth++] = 0;
+    }
     while (depth > 0) {
         const uint32_t self = stack[--depth];
         const node *n = &b->nodes[self];
-        if (!meets_box(n, from, inverse, t_min, out_hit->t))
+        if (!meets_box(n, from, inverse, t_min, out_hit->t)) {
             continue;
-        for (uint32_t i = 0; i < n->count; i++)
+        }
+        for (uint32_t i = 0; i < n->count; i++) {
             meet_triangle(b, b->order[n->first + i], origin, direction, t_min, out_hit);
+        }
         if (n->count == 0) {
             stack[depth++] = n->first;
             stack[depth++] = self + 1;

@@ -11,20 +11,23 @@
 
 mesh *mesh_allocate(uint32_t vertex_count, uint32_t triangle_count) {
     mesh *m = calloc(1, sizeof *m);
-    if (!m)
+    if (!m) {
         return NULL;
+    }
     m->vertex_count = vertex_count;
     m->triangle_count = triangle_count;
     m->vertices = calloc(vertex_count ? vertex_count : 1, sizeof *m->vertices);
     m->triangles = calloc(triangle_count ? triangle_count : 1, 3 * sizeof *m->triangles);
-    if (!m->vertices || !m->triangles)
+    if (!m->vertices || !m->triangles) {
         mesh_destroy(&m);
+    }
     return m;
 }
 
 void mesh_destroy(mesh **m) {
-    if (!m || !*m)
+    if (!m || !*m) {
         return;
+    }
     free((*m)->vertices);
     free((*m)->triangles);
     free(*m);
@@ -32,10 +35,12 @@ void mesh_destroy(mesh **m) {
 }
 
 bool mesh_is_flat(const mesh *m) {
-    for (uint32_t i = 1; i < m->vertex_count; i++)
+    for (uint32_t i = 1; i < m->vertex_count; i++) {
         if (memcmp(m->vertices[i].normal, m->vertices[0].normal, sizeof m->vertices[0].normal) ||
-            memcmp(m->vertices[i].tangent, m->vertices[0].tangent, sizeof m->vertices[0].tangent))
+            memcmp(m->vertices[i].tangent, m->vertices[0].tangent, sizeof m->vertices[0].tangent)) {
             return false;
+        }
+    }
     return true;
 }
 
@@ -100,9 +105,11 @@ static const surface surfaces[] = {
 enum { SURFACES = sizeof surfaces / sizeof surfaces[0] };
 
 static const surface *find(const char *name) {
-    for (int i = 0; i < SURFACES; i++)
-        if (!strcmp(surfaces[i].name, name))
+    for (int i = 0; i < SURFACES; i++) {
+        if (!strcmp(surfaces[i].name, name)) {
             return &surfaces[i];
+        }
+    }
     return NULL;
 }
 
@@ -112,7 +119,7 @@ bool mesh_is_built_in(const char *name) {
 
 static void tessellate(const surface *shape, mesh *m) {
     mesh_vertex *out = m->vertices;
-    for (int j = 0; j <= shape->rows; j++)
+    for (int j = 0; j <= shape->rows; j++) {
         for (int i = 0; i <= shape->columns; i++, out++) {
             double s = (double)i / shape->columns, t = (double)j / shape->rows;
             surface_point p = shape->at(s, t);
@@ -123,15 +130,17 @@ static void tessellate(const surface *shape, mesh *m) {
             out->uv[0] = (float)(s * shape->u_scale);
             out->uv[1] = (float)(t * shape->v_scale);
         }
+    }
     uint32_t *index = m->triangles;
     const uint32_t stride = (uint32_t)shape->columns + 1;
-    for (uint32_t j = 0; j < (uint32_t)shape->rows; j++)
+    for (uint32_t j = 0; j < (uint32_t)shape->rows; j++) {
         for (uint32_t i = 0; i < (uint32_t)shape->columns; i++) {
             const uint32_t a = j * stride + i;
             const uint32_t corners[6] = {a, a + 1, a + stride + 1, a, a + stride + 1, a + stride};
             memcpy(index, corners, sizeof corners);
             index += 6;
         }
+    }
 }
 
 btf_result mesh_make(const char *name, const btf_log *log, mesh **out_mesh) {
@@ -141,14 +150,16 @@ btf_result mesh_make(const char *name, const btf_log *log, mesh **out_mesh) {
         char text[300];
         snprintf(text, sizeof text, "mesh '%.100s': expected plane, sphere, torus, drape or a file *.obj",
                  name);
-        if (log && log->callback)
+        if (log && log->callback) {
             log->callback(log->user, BTF_LOG_ERROR, text);
+        }
         return BTF_ERROR_USAGE;
     }
     *out_mesh = mesh_allocate((uint32_t)((shape->columns + 1) * (shape->rows + 1)),
                               (uint32_t)(2 * shape->columns * shape->rows));
-    if (!*out_mesh)
+    if (!*out_mesh) {
         return BTF_ERROR_MEMORY;
+    }
     tessellate(shape, *out_mesh);
     return BTF_OK;
 }

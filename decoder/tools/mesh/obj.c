@@ -92,10 +92,12 @@ static void skip_blanks(parser *o) {
 }
 
 static void skip_line(parser *o) {
-    while (o->p < o->end && *o->p != '\n' && *o->p != '\r')
+    while (o->p < o->end && *o->p != '\n' && *o->p != '\r') {
         o->p++;
-    if (o->p < o->end)
+    }
+    if (o->p < o->end) {
         o->p += o->end - o->p > 1 && o->p[0] == '\r' && o->p[1] == '\n' ? 2 : 1;
+    }
     o->line++;
 }
 
@@ -104,8 +106,9 @@ static void read_word(parser *o, char *word, size_t size) {
     size_t length = 0;
     skip_blanks(o);
     while (!at_end_of_line(o) && !is_blank(*o->p) && !at_continuation(o)) {
-        if (length + 1 < size)
+        if (length + 1 < size) {
             word[length++] = *o->p;
+        }
         o->p++;
     }
     word[length] = '\0';
@@ -162,16 +165,18 @@ static bool read_corner(parser *o, const char *word, corner *out) {
             out->at[k] = (int32_t)at;
             p = end;
         }
-        if (!*p)
+        if (!*p) {
             break;
+        }
         if (k == 2) {
             fail(o, BTF_ERROR_BAD_FILE, "face: '%s' has more than three indices", word);
             return false;
         }
         p++;
     }
-    if (out->at[1] < 0)
+    if (out->at[1] < 0) {
         fail(o, BTF_ERROR_BAD_FILE, "face: '%s' has no texture coordinate, which a material needs", word);
+    }
     return out->at[1] >= 0;
 }
 
@@ -189,14 +194,17 @@ static void add_face(parser *o) {
     }
     vec3 *at = malloc(count * sizeof *at);
     uint32_t *triangles = malloc(3 * (size_t)(count - 2) * sizeof *triangles);
-    for (uint32_t i = 0; at && i < count; i++)
+    for (uint32_t i = 0; at && i < count; i++) {
         at[i] = vec_from(element(o, 0, corners[i].at[0]));
+    }
     if (!at || !triangles || !polygon_triangulate(at, count, triangles)) {
         fail(o, BTF_ERROR_MEMORY, "out of memory for a face of %u corners", (unsigned)count);
     } else {
-        for (size_t i = 0; i < 3 * (size_t)(count - 2); i++)
-            if (!push(o, &o->corners, &corners[triangles[i]]))
+        for (size_t i = 0; i < 3 * (size_t)(count - 2); i++) {
+            if (!push(o, &o->corners, &corners[triangles[i]])) {
                 break;
+            }
+        }
     }
     free(at);
     free(triangles);
@@ -211,27 +219,30 @@ static void read_face(parser *o) {
             fail(o, BTF_ERROR_UNSUPPORTED, "more than %d corners", MAX_CORNERS);
             return;
         }
-        if (!read_corner(o, word, &next) || !push(o, &o->face, &next))
+        if (!read_corner(o, word, &next) || !push(o, &o->face, &next)) {
             return;
+        }
     }
-    if (o->face.count < 3)
+    if (o->face.count < 3) {
         fail(o, BTF_ERROR_BAD_FILE, "face: has %zu corners, expected 3 or more", o->face.count);
-    else
+    } else {
         add_face(o);
+    }
 }
 
 static void read_statement(parser *o) {
     char word[32];
     read_word(o, word, sizeof word);
-    if (!strcmp(word, "v"))
+    if (!strcmp(word, "v")) {
         read_vector(o, &o->lists[0], 3, "vertex");
-    else if (!strcmp(word, "vt"))
+    } else if (!strcmp(word, "vt")) {
         read_vector(o, &o->lists[1], 1, "texture coordinate");
-    else if (!strcmp(word, "vn"))
+    } else if (!strcmp(word, "vn")) {
         read_vector(o, &o->lists[2], 3, "normal");
-    else if (!strcmp(word, "f") || !strcmp(word, "fo")) /* the older name of a face */
+    } else if (!strcmp(word, "f") || !strcmp(word, "fo")) { /* the older name of a face */
         read_face(o);
-    else if ((!strcmp(word, "surf") || !strcmp(word, "curv") || !strcmp(word, "curv2")) && !o->has_curves) {
+    } else if ((!strcmp(word, "surf") || !strcmp(word, "curv") || !strcmp(word, "curv2")) &&
+               !o->has_curves) {
         if (o->log && o->log->callback) {
             char text[300];
             snprintf(text, sizeof text, "%.200s:%d: '%s': free-form curves and surfaces are left out",
@@ -245,24 +256,27 @@ static void read_statement(parser *o) {
 /* Equal corners share a vertex: an open hash table of corner numbers. */
 static uint32_t hash(const corner *c) {
     uint32_t h = 2166136261u;
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; k++) {
         h = (h ^ (uint32_t)c->at[k]) * 16777619u;
+    }
     return h ^ (h >> 15);
 }
 
 static void set_vertex(const parser *o, const corner *c, mesh_vertex *out) {
     memcpy(out->position, element(o, 0, c->at[0]), sizeof out->position);
     memcpy(out->uv, element(o, 1, c->at[1]), sizeof out->uv);
-    if (c->at[2] >= 0)
+    if (c->at[2] >= 0) {
         vec_store(vec_unit(vec_from(element(o, 2, c->at[2])), vec(0, 0, 1)), out->normal);
+    }
 }
 
 static mesh *index_corners(const parser *o) {
     const corner *corners = o->corners.items;
     const uint32_t count = (uint32_t)o->corners.count;
     size_t slots = 1;
-    while (slots < 2 * (size_t)count)
+    while (slots < 2 * (size_t)count) {
         slots *= 2;
+    }
     uint32_t *table = malloc(slots * sizeof *table);
     mesh *m = mesh_allocate(count, count / 3);
     if (!table || !m) {
@@ -275,8 +289,9 @@ static mesh *index_corners(const parser *o) {
     for (uint32_t i = 0; i < count; i++) {
         size_t slot = hash(&corners[i]) & (slots - 1);
         while (table[slot] != UINT32_MAX &&
-               memcmp(&corners[m->triangles[table[slot]]], &corners[i], sizeof *corners) != 0)
+               memcmp(&corners[m->triangles[table[slot]]], &corners[i], sizeof *corners) != 0) {
             slot = (slot + 1) & (slots - 1);
+        }
         if (table[slot] == UINT32_MAX) {
             /* until all are known, triangles[] holds at a new vertex's number the corner that made it */
             table[slot] = m->vertex_count;
@@ -293,8 +308,9 @@ static mesh *index_corners(const parser *o) {
     memcpy(first, m->triangles, m->vertex_count * sizeof *first);
     for (uint32_t i = 0; i < count; i++) {
         size_t slot = hash(&corners[i]) & (slots - 1);
-        while (memcmp(&corners[first[table[slot]]], &corners[i], sizeof *corners) != 0)
+        while (memcmp(&corners[first[table[slot]]], &corners[i], sizeof *corners) != 0) {
             slot = (slot + 1) & (slots - 1);
+        }
         m->triangles[i] = table[slot];
     }
     free(first);
@@ -305,14 +321,16 @@ static mesh *index_corners(const parser *o) {
 /* Into the unit sphere round the origin. */
 static void fit(mesh *m) {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, radius = 0;
-    for (uint32_t i = 0; i < m->vertex_count; i++)
+    for (uint32_t i = 0; i < m->vertex_count; i++) {
         for (int k = 0; k < 3; k++) {
             low[k] = fmin(low[k], (double)m->vertices[i].position[k]);
             high[k] = fmax(high[k], (double)m->vertices[i].position[k]);
         }
+    }
     vec3 centre = vec((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2);
-    for (uint32_t i = 0; i < m->vertex_count; i++)
+    for (uint32_t i = 0; i < m->vertex_count; i++) {
         radius = fmax(radius, vec_length(vec_sub(vec_from(m->vertices[i].position), centre)));
+    }
     for (uint32_t i = 0; i < m->vertex_count; i++) {
         vec3 p = vec_sub(vec_from(m->vertices[i].position), centre);
         vec_store(vec_mul(p, radius > 0 ? 1 / radius : 1), m->vertices[i].position);
@@ -321,9 +339,11 @@ static void fit(mesh *m) {
 
 static bool has_all_normals(const parser *o) {
     const corner *corners = o->corners.items;
-    for (size_t i = 0; i < o->corners.count; i++)
-        if (corners[i].at[2] < 0)
+    for (size_t i = 0; i < o->corners.count; i++) {
+        if (corners[i].at[2] < 0) {
             return false;
+        }
+    }
     return true;
 }
 
@@ -331,8 +351,9 @@ static bool has_all_normals(const parser *o) {
 static void average_normals(const parser *o, mesh *m) {
     const corner *corners = o->corners.items;
     float *sums = o->lists[2].items; /* one a position */
-    for (size_t i = 0; i < o->lists[0].count; i++)
+    for (size_t i = 0; i < o->lists[0].count; i++) {
         vec_store(vec(0, 0, 0), sums + 3 * i);
+    }
     for (uint32_t f = 0; f < m->triangle_count; f++) {
         const corner *c = corners + 3 * (size_t)f;
         const uint32_t *t = m->triangles + 3 * (size_t)f;
@@ -344,24 +365,29 @@ static void average_normals(const parser *o, mesh *m) {
             vec_store(vec_add(vec_from(sum), n), sum);
         }
     }
-    for (uint32_t i = 0; i < 3 * m->triangle_count; i++)
+    for (uint32_t i = 0; i < 3 * m->triangle_count; i++) {
         vec_store(vec_unit(vec_from(sums + 3 * (size_t)corners[i].at[0]), vec(0, 0, 1)),
                   m->vertices[m->triangles[i]].normal);
+    }
 }
 
 static btf_result finish(parser *o, mesh **out_mesh) {
-    if (o->corners.count == 0)
+    if (o->corners.count == 0) {
         return fail(o, BTF_ERROR_BAD_FILE, "the file has no face");
+    }
     mesh *m = index_corners(o);
     bool ok = m != NULL;
-    if (ok)
+    if (ok) {
         fit(m);
+    }
     if (ok && !has_all_normals(o)) {
         const float zero[3] = {0, 0, 0};
-        while (ok && o->lists[2].count < o->lists[0].count)
+        while (ok && o->lists[2].count < o->lists[0].count) {
             ok = push(o, &o->lists[2], zero);
-        if (ok)
+        }
+        if (ok) {
             average_normals(o, m);
+        }
     }
     if (!ok || mesh_compute_tangents(m)) {
         mesh_destroy(&m);
@@ -385,17 +411,20 @@ btf_result mesh_parse_obj(const char *name, const char *text, size_t size, const
     size_t skip;
     const char *encoding = text_encoding(text, size, &skip);
     *out_mesh = NULL;
-    if (encoding)
+    if (encoding) {
         return fail(&o, BTF_ERROR_UNSUPPORTED, "the text is %s: save it as UTF-8", encoding);
+    }
     o.p += skip;
     while (o.p < o.end && !o.result) {
         read_statement(&o);
-        if (!o.result)
+        if (!o.result) {
             skip_line(&o);
+        }
     }
     btf_result result = o.result ? o.result : finish(&o, out_mesh);
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; k++) {
         free(o.lists[k].items);
+    }
     free(o.corners.items);
     free(o.face.items);
     return result;
@@ -406,8 +435,9 @@ btf_result mesh_read_obj(const char *path, const btf_log *log, mesh **out_mesh) 
     size_t size;
     *out_mesh = NULL;
     btf_result result = file_read(path, 1000000000, log, &text, &size);
-    if (result)
+    if (result) {
         return result;
+    }
     result = mesh_parse_obj(path, text, size, log, out_mesh);
     free(text);
     return result;

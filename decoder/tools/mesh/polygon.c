@@ -55,12 +55,15 @@ static bool is_between_edges(const point t[3], int k, point p) {
  * touches itself, as one with a hole that is cut open does: there an edge has to lead into the triangle. */
 static bool blocks(const ring *r, uint32_t corner, const point t[3]) {
     const point p = r->at[corner];
-    if (r->place[corner] == NONE)
+    if (r->place[corner] == NONE) {
         return false;
-    for (int k = 0; k < 3; k++)
-        if (is_same(p, t[k]))
+    }
+    for (int k = 0; k < 3; k++) {
+        if (is_same(p, t[k])) {
             return is_between_edges(t, k, r->at[r->previous[corner]]) ||
                    is_between_edges(t, k, r->at[r->next[corner]]);
+        }
+    }
     return turn(t[0], t[1], p) >= 0 && turn(t[1], t[2], p) >= 0 && turn(t[2], t[0], p) >= 0;
 }
 
@@ -70,16 +73,22 @@ static bool is_blocked(const ring *r, const point t[3]) {
     const int low = cell_of(r, fmin(t[0].y, fmin(t[1].y, t[2].y)), 1);
     const int high = cell_of(r, fmax(t[0].y, fmax(t[1].y, t[2].y)), 1);
     if ((size_t)(right - left + 1) * (size_t)(high - low + 1) >= r->n_blunt) {
-        for (size_t i = 0; i < r->n_blunt; i++)
-            if (blocks(r, r->blunt[i], t))
+        for (size_t i = 0; i < r->n_blunt; i++) {
+            if (blocks(r, r->blunt[i], t)) {
                 return true;
+            }
+        }
         return false;
     }
-    for (int y = low; y <= high; y++)
-        for (int x = left; x <= right; x++)
-            for (int64_t c = r->cell_first[y * r->cells + x]; c != NONE; c = r->cell_next[c])
-                if (blocks(r, (uint32_t)c, t))
+    for (int y = low; y <= high; y++) {
+        for (int x = left; x <= right; x++) {
+            for (int64_t c = r->cell_first[y * r->cells + x]; c != NONE; c = r->cell_next[c]) {
+                if (blocks(r, (uint32_t)c, t)) {
                     return true;
+                }
+            }
+        }
+    }
     return false;
 }
 
@@ -87,15 +96,17 @@ static bool is_blocked(const ring *r, const point t[3]) {
  * without area, at a corner that is given twice or at the tip of an edge that is walked to and fro. */
 static bool is_ear(const ring *r, uint32_t corner) {
     const point t[3] = {r->at[r->previous[corner]], r->at[corner], r->at[r->next[corner]]};
-    if (is_same(t[0], t[1]) || is_same(t[1], t[2]) || is_same(t[2], t[0]))
+    if (is_same(t[0], t[1]) || is_same(t[1], t[2]) || is_same(t[2], t[0])) {
         return true;
+    }
     return turn_at(r, corner) > 0 && !is_blocked(r, t);
 }
 
 static void drop_blunt(ring *r, uint32_t corner) {
     const int64_t place = r->place[corner];
-    if (place == NONE)
+    if (place == NONE) {
         return;
+    }
     const uint32_t last = r->blunt[--r->n_blunt];
     r->blunt[place] = last;
     r->place[last] = place;
@@ -107,10 +118,12 @@ static void cut(ring *r, uint32_t corner) {
     r->next[before] = after;
     r->previous[after] = before;
     drop_blunt(r, corner);
-    if (turn_at(r, before) > 0)
+    if (turn_at(r, before) > 0) {
         drop_blunt(r, before);
-    if (turn_at(r, after) > 0)
+    }
+    if (turn_at(r, after) > 0) {
         drop_blunt(r, after);
+    }
 }
 
 /* The ring as it is at the start. */
@@ -125,12 +138,14 @@ static void fill(ring *r, uint32_t count) {
     }
     r->step[0] = high.x > r->low.x ? r->cells / (high.x - r->low.x) : 0;
     r->step[1] = high.y > r->low.y ? r->cells / (high.y - r->low.y) : 0;
-    for (int i = 0; i < r->cells * r->cells; i++)
+    for (int i = 0; i < r->cells * r->cells; i++) {
         r->cell_first[i] = NONE;
+    }
     for (uint32_t i = 0; i < count; i++) {
         r->place[i] = NONE;
-        if (turn_at(r, i) > 0)
+        if (turn_at(r, i) > 0) {
             continue;
+        }
         int64_t *first = &r->cell_first[cell_of(r, r->at[i].y, 1) * r->cells + cell_of(r, r->at[i].x, 0)];
         r->cell_next[i] = *first;
         *first = i;
@@ -150,8 +165,9 @@ static void cut_ears(ring *r, uint32_t count, uint32_t *out) {
             corner = r->next[corner];
             tried++;
         }
-        for (uint32_t i = 0; tried == left && i < left && turn_at(r, corner) <= 0; i++)
+        for (uint32_t i = 0; tried == left && i < left && turn_at(r, corner) <= 0; i++) {
             corner = r->next[corner];
+        }
         *out++ = r->previous[corner];
         *out++ = corner;
         *out++ = r->next[corner];
@@ -167,9 +183,10 @@ static void cut_ears(ring *r, uint32_t count, uint32_t *out) {
 static void project(const vec3 *corners, uint32_t count, point *out) {
     vec3 normal = vec(0, 0, 0);
     for (uint32_t i = 1; i + 1 < count;
-         i++) /* from the first corner on, lest its distance from 0 take the digits */
+         i++) { /* from the first corner on, lest its distance from 0 take the digits */
         normal = vec_add(normal,
                          vec_cross(vec_sub(corners[i], corners[0]), vec_sub(corners[i + 1], corners[0])));
+    }
     const double largest = fmax(fabs(normal.x), fmax(fabs(normal.y), fabs(normal.z)));
     normal = largest > 0 ? vec_unit(vec_mul(normal, 1 / largest), vec(0, 0, 1)) : vec(0, 0, 1);
     const vec3 u = vec_perpendicular(normal), v = vec_cross(normal, u);
@@ -181,8 +198,9 @@ static void project(const vec3 *corners, uint32_t count, point *out) {
 
 bool polygon_triangulate(const vec3 *corners, uint32_t count, uint32_t *out_triangles) {
     if (count == 3) {
-        for (uint32_t i = 0; i < 3; i++)
+        for (uint32_t i = 0; i < 3; i++) {
             out_triangles[i] = i;
+        }
         return true;
     }
     const int side = (int)sqrt(count / 4.0);

@@ -12,8 +12,9 @@ static vec3 position(const mesh *m, uint32_t vertex) {
 }
 
 void mesh_compute_normals(mesh *m) {
-    for (uint32_t i = 0; i < m->vertex_count; i++)
+    for (uint32_t i = 0; i < m->vertex_count; i++) {
         vec_store(vec(0, 0, 0), m->vertices[i].normal);
+    }
     for (uint32_t f = 0; f < m->triangle_count; f++) {
         const uint32_t *t = m->triangles + 3 * (size_t)f;
         vec3 a = position(m, t[0]);
@@ -31,8 +32,9 @@ void mesh_compute_normals(mesh *m) {
 
 btf_result mesh_compute_tangents(mesh *m) {
     vec3 *sums = calloc(m->vertex_count ? 2 * (size_t)m->vertex_count : 1, sizeof *sums);
-    if (!sums)
+    if (!sums) {
         return BTF_ERROR_MEMORY;
+    }
     for (uint32_t f = 0; f < m->triangle_count; f++) {
         const uint32_t *t = m->triangles + 3 * (size_t)f;
         const float *w0 = m->vertices[t[0]].uv, *w1 = m->vertices[t[1]].uv, *w2 = m->vertices[t[2]].uv;
@@ -41,8 +43,9 @@ btf_result mesh_compute_tangents(mesh *m) {
         double u1 = (double)w1[0] - (double)w0[0], u2 = (double)w2[0] - (double)w0[0];
         double v1 = (double)w1[1] - (double)w0[1], v2 = (double)w2[1] - (double)w0[1];
         double area = u1 * v2 - u2 * v1;
-        if (!(fabs(area) > 1e-30))
+        if (!(fabs(area) > 1e-30)) {
             continue;
+        }
         vec3 along_u = vec_mul(vec_sub(vec_mul(e1, v2), vec_mul(e2, v1)), 1 / area);
         vec3 along_v = vec_mul(vec_sub(vec_mul(e2, u1), vec_mul(e1, u2)), 1 / area);
         for (int k = 0; k < 3; k++) {

@@ -31,12 +31,14 @@ static void copy_directions(int count, const enc_direction *from, original_direc
 static btf_result fill(data_set *d, const enc_context *context, const char *input, original_data *out) {
     const enc_read_options defaults = {0};
     const btf_result result = enc_read(context, input, &defaults, &d->data);
-    if (result)
+    if (result) {
         return result;
+    }
     const size_t n_views = (size_t)d->data->n_views, n_lights = (size_t)d->data->n_lights;
     d->directions = calloc(n_views + n_lights, sizeof *d->directions);
-    if (!d->directions)
+    if (!d->directions) {
         return BTF_ERROR_MEMORY;
+    }
     copy_directions(d->data->n_views, d->data->views, d->directions);
     copy_directions(d->data->n_lights, d->data->lights, d->directions + n_views);
     *out = (original_data){.width = d->data->width,
@@ -57,7 +59,8 @@ btf_result data_set_read(const char *input, int threads, void *p, const btf_log 
     data_set *d = calloc(1, sizeof *d);
     *out_data = (original_data){0};
     const btf_result result = d ? fill(d, &context, input, out_data) : BTF_ERROR_MEMORY;
-    if (result && d)
+    if (result && d) {
         release(d);
+    }
     return result;
 }

@@ -32,26 +32,27 @@ typedef struct job {
     shader *shader, *baseline_shader;
     original *original;
     render_scene scene;
-    light *lights; /* as given */
+    light *lights;                    /* as given */
     sampled_environment *environment; /* with --light environment */
-    btf_shader_options still; /* without a plan: what is the same in every sample of every frame */
+    btf_shader_options still;         /* without a plan: what is the same in every sample of every frame */
     /* with --plan auto */
     btf_material *whole;
     plan_range *seen; /* [frame] */
     btf_plan plan;
     btf_cost_model costs; /* with --costs */
-    int planned_end; /* the frame that it is not for any more */
+    int planned_end;      /* the frame that it is not for any more */
 } job;
 
 static btf_result make_lights(const btf_log *log) {
-    if (render_options.environment && !render_options.env_sampled)
+    if (render_options.environment && !render_options.env_sampled) {
         return light_list_read_environment(&render_options.lights, render_options.environment,
-                                           render_options.environment_layer,
-                                           render_options.env_lights, render_options.env_rotate,
-                                           render_options.env_gain, log);
+                                           render_options.environment_layer, render_options.env_lights,
+                                           render_options.env_rotate, render_options.env_gain, log);
+    }
     if (!render_options.env_sampled && !render_options.lights.count &&
-        light_parse_directional("40,120", &render_options.lights))
+        light_parse_directional("40,120", &render_options.lights)) {
         return BTF_ERROR_MEMORY;
+    }
     return BTF_OK;
 }
 
@@ -61,8 +62,9 @@ static btf_result open_environment(job *j) {
     int width, height;
     btf_result result = environment_read(render_options.environment, render_options.environment_layer,
                                          &j->log, &width, &height, &pixels);
-    if (result)
+    if (result) {
         return result;
+    }
     result = sampled_environment_create(width, height, pixels, render_options.env_rotate,
                                         render_options.env_gain, j->material, render_options.spp, &j->log,
                                         &j->environment);
@@ -80,12 +82,15 @@ static btf_result load_mesh(job *j) {
     } else {
         result = mesh_make(name, &j->log, &j->mesh);
     }
-    if (result)
+    if (result) {
         return result;
-    if (!render_options.repeat_given)
+    }
+    if (!render_options.repeat_given) {
         render_options.repeat = flat ? 2 : 3;
-    if (!render_options.zoom_given)
+    }
+    if (!render_options.zoom_given) {
         render_options.zoom = strcmp(name, "plane") ? 0.9 : 1;
+    }
     j->bvh = bvh_create(j->mesh);
     return j->bvh ? BTF_OK : cli_error(&render_program, BTF_ERROR_MEMORY, "out of memory for the mesh");
 }
@@ -122,15 +127,18 @@ static btf_result open_shader(job *j, int frames) {
         request.effects[2] = render_options.effects;
     }
     /* A shader's options take 0 components for all of them. */
-    for (int i = 0; i < request.variants && request.components == 0; i++)
+    for (int i = 0; i < request.variants && request.components == 0; i++) {
         request.effects[i] &= ~(uint32_t)BTF_EFFECT_RESIDUAL;
+    }
     if (j->whole) {
         const btf_shader_options *planned = &j->plan.shader;
         request.effects[0] &= j->plan.effects;
-        if (j->plan.components && j->plan.components < request.components)
+        if (j->plan.components && j->plan.components < request.components) {
             request.components = j->plan.components;
-        if (!render_options.interpolation_given)
+        }
+        if (!render_options.interpolation_given) {
             request.interpolation = planned->interpolation;
+        }
         request.fixed = planned->fixed;
         memcpy(request.fixed_view, planned->fixed_view, sizeof request.fixed_view);
         memcpy(request.fixed_light, planned->fixed_light, sizeof request.fixed_light);
@@ -140,10 +148,11 @@ static btf_result open_shader(job *j, int frames) {
         memcpy(request.fixed_light, j->still.fixed_light, sizeof request.fixed_light);
     }
     btf_result result = shader_create(&request, &j->log, &j->shader);
-    if (!result && render_options.size[0] * render_options.samples > shader_max_width(j->shader))
+    if (!result && render_options.size[0] * render_options.samples > shader_max_width(j->shader)) {
         return cli_error(&render_program, BTF_ERROR_UNSUPPORTED,
                          "%d samples a row exceed the device's GL_MAX_TEXTURE_SIZE %d",
                          render_options.size[0] * render_options.samples, shader_max_width(j->shader));
+    }
     return result;
 }
 
@@ -151,12 +160,14 @@ static btf_result open_shader(job *j, int frames) {
 static btf_result open_baseline(job *j) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_result result = btf_material_open(render_options.baseline, &j->log, &j->baseline);
-    if (result)
+    if (result) {
         return result;
+    }
     btf_material_get_info(j->baseline, &info);
-    if (info.colour == BTF_COLOUR_NONE)
+    if (info.colour == BTF_COLOUR_NONE) {
         return cli_error(&render_program, BTF_ERROR_USAGE, "option --baseline: %s has no SBRDF",
                          render_options.baseline);
+    }
     const shader_request request = {.device = "reference",
                                     .material = j->baseline,
                                     .variants = 2,
@@ -169,8 +180,9 @@ static btf_result open_baseline(job *j) {
 
 static btf_result open_original(job *j) {
     progress *p = progress_create(render_options.quiet);
-    if (!p)
+    if (!p) {
         return cli_error(&render_program, BTF_ERROR_MEMORY, "out of memory");
+    }
     btf_result result = original_open(data_set_read, render_options.original, j->material,
                                       render_options.threads, p, &j->log, &j->original);
     progress_destroy(&p);
@@ -184,25 +196,28 @@ static void turn_lights(const job *j, double degrees) {
         const vec3 at = j->lights[i].at;
         render_options.lights.lights[i].at = vec(c * at.x - s * at.y, s * at.x + c * at.y, at.z);
     }
-    if (j->environment)
+    if (j->environment) {
         sampled_environment_turn(j->environment, degrees);
+    }
 }
 
 /* The camera or the lights of a frame of an animation. */
 static void set_frame(job *j, int frame) {
     const double degrees = frame * (360.0 / render_options.frames);
-    if (render_options.animate == 0)
+    if (render_options.animate == 0) {
         j->scene.table.camera.phi = render_options.view[1] + degrees;
-    else
+    } else {
         turn_lights(j, degrees);
+    }
 }
 
 /* Finds the samples of the whole material that each frame shows. */
 static btf_result see_frames(job *j) {
     btf_result result = BTF_OK;
     j->seen = calloc((size_t)render_options.frames, sizeof *j->seen);
-    if (!j->seen)
+    if (!j->seen) {
         result = BTF_ERROR_MEMORY;
+    }
     for (int frame = 0; frame < render_options.frames && !result; frame++) {
         set_frame(j, frame);
         result = plan_range_add(&j->scene, &j->seen[frame]);
@@ -214,13 +229,16 @@ static btf_result see_frames(job *j) {
 static btf_result find_still(job *j) {
     const bool turns = render_options.frames > 1 && render_options.animate != 0;
     if (render_options.fold == SHADER_FOLD_NEVER || render_options.lights.count != 1 || j->environment ||
-        turns || !mesh_is_flat(j->mesh))
+        turns || !mesh_is_flat(j->mesh)) {
         return BTF_OK;
+    }
     btf_result result = see_frames(j);
-    for (int frame = 1; frame < render_options.frames && !result; frame++)
+    for (int frame = 1; frame < render_options.frames && !result; frame++) {
         plan_range_join(&j->seen[0], &j->seen[frame]);
-    if (result)
+    }
+    if (result) {
         return result;
+    }
     const btf_scene scene = plan_range_scene(&j->seen[0]);
     j->still.fixed = (scene.light.fixed ? (uint32_t)BTF_FIXED_LIGHT : 0u) |
                      (scene.view.fixed ? (uint32_t)BTF_FIXED_VIEW : 0u);
@@ -241,10 +259,12 @@ static btf_result plan_frames(job *j, int first) {
         frame_plan(j->whole, j->seen, first, render_options.frames, &wishes, &j->planned_end, &j->plan);
     shader_destroy(&j->shader);
     btf_material_close(&j->material);
-    if (!result)
+    if (!result) {
         result = btf_material_restrict(j->whole, &j->plan, &j->log, &j->material);
-    if (result)
+    }
+    if (result) {
         return cli_error(&render_program, result, "option --plan: no plan can be made for these pictures");
+    }
     if (render_options.stats) {
         printf("plan for frames %d to %d:\n", first + 1, j->planned_end);
         scene_plan_print(stdout, "  ", j->whole, &j->plan);
@@ -258,30 +278,41 @@ static btf_result plan_frames(job *j, int first) {
 
 static btf_result prepare(job *j, const char *path) {
     btf_result result = make_lights(&j->log);
-    if (!result && render_options.costs_file)
+    if (!result && render_options.costs_file) {
         result = btf_cost_model_open(render_options.costs_file, &j->log, &j->costs);
-    if (!result)
+    }
+    if (!result) {
         result = btf_material_open(path, &j->log, &j->material);
-    if (!result)
+    }
+    if (!result) {
         result = load_mesh(j);
-    if (!result)
+    }
+    if (!result) {
         btf_material_get_info(j->material, &j->info);
-    if (!result && render_options.level >= (int)j->info.levels)
+    }
+    if (!result && render_options.level >= (int)j->info.levels) {
         return cli_error(&render_program, BTF_ERROR_USAGE, "option --level: %d, but %s has %u level%s",
                          render_options.level, path, (unsigned)j->info.levels,
                          j->info.levels == 1 ? "" : "s");
-    if (!result && render_options.figure13 && !render_options.baseline && j->info.colour == BTF_COLOUR_NONE)
+    }
+    if (!result && render_options.figure13 && !render_options.baseline &&
+        j->info.colour == BTF_COLOUR_NONE) {
         return cli_error(&render_program, BTF_ERROR_USAGE,
                          "option --figure13: %s has no SBRDF; give a material that has one with --baseline",
                          path);
-    if (!result && render_options.env_sampled)
+    }
+    if (!result && render_options.env_sampled) {
         result = open_environment(j);
-    if (!result && render_options.baseline)
+    }
+    if (!result && render_options.baseline) {
         result = open_baseline(j);
-    if (!result && render_options.original)
+    }
+    if (!result && render_options.original) {
         result = open_original(j);
-    if (result)
+    }
+    if (result) {
         return result;
+    }
     j->scene = (render_scene){.table = {.mesh = j->mesh,
                                         .bvh = j->bvh,
                                         .camera = {render_options.view[0], render_options.view[1],
@@ -300,10 +331,12 @@ static btf_result prepare(job *j, const char *path) {
                               .background = render_options.background};
     const size_t size = render_options.lights.count * sizeof *j->lights;
     j->lights = malloc(size ? size : 1);
-    if (!j->lights)
+    if (!j->lights) {
         return cli_error(&render_program, BTF_ERROR_MEMORY, "out of memory for lights");
-    if (size)
+    }
+    if (size) {
         memcpy(j->lights, render_options.lights.lights, size);
+    }
     if (render_options.plan != 0) {
         result = find_still(j);
         return result ? result : open_shader(j, render_options.frames);
@@ -330,8 +363,9 @@ static void print_times(const char *name, const shader_times *t) {
 
 static void print_stats(const job *j, const render_times *t) {
     printf("device: %s\nfolded: %s\n", shader_name(j->shader), shader_folded(j->shader));
-    if (j->environment)
+    if (j->environment) {
         printf("environment: %d directions a sample\n", sampled_environment_count(j->environment));
+    }
     printf("picture: %d x %d, %d samples a pixel, %zu lights, %s, %s, %s\n", j->scene.width,
            j->scene.height, j->scene.samples * j->scene.samples, render_options.lights.count,
            (j->whole && !render_options.interpolation_given
@@ -356,13 +390,15 @@ static btf_result render_one(job *j, const char *path) {
                                          ? render_options.repeats
                                          : 0};
     btf_result result = render_frame(&j->scene, &evaluator, 1, &picture, NULL, &times, &j->log);
-    if (result)
+    if (result) {
         return result;
+    }
     picture_expose(&picture, exp2(render_options.exposure));
     result = picture_write(&picture, path, (tone)render_options.tone, j->log);
     picture_clear(&picture);
-    if (!result && render_options.stats)
+    if (!result && render_options.stats) {
         print_stats(j, &times);
+    }
     return result;
 }
 
@@ -371,23 +407,28 @@ static btf_result render_figure(job *j, const char *path) {
     evaluator evaluators[FIGURE_COLUMNS] = {original_evaluator(j->original)};
     render_times times = {0};
     unsigned char *mask = calloc((size_t)j->scene.width * (size_t)j->scene.height, 1);
-    if (!mask)
+    if (!mask) {
         return cli_error(&render_program, BTF_ERROR_MEMORY, "out of memory for a mask");
-    for (int i = 1; i < FIGURE_COLUMNS; i++)
+    }
+    for (int i = 1; i < FIGURE_COLUMNS; i++) {
         evaluators[i] =
             evaluator_of_shader(i < 3 && j->baseline_shader ? j->baseline_shader : j->shader, i - 1);
+    }
     btf_result result =
         render_frame(&j->scene, evaluators, FIGURE_COLUMNS, pictures, mask, &times, &j->log);
     if (!result) {
-        for (int i = 0; i < FIGURE_COLUMNS; i++)
+        for (int i = 0; i < FIGURE_COLUMNS; i++) {
             picture_expose(&pictures[i], exp2(render_options.exposure));
+        }
         result = figure_write(pictures, mask, path, (tone)render_options.tone, j->log);
-        for (int i = 0; i < FIGURE_COLUMNS; i++)
+        for (int i = 0; i < FIGURE_COLUMNS; i++) {
             picture_clear(&pictures[i]);
+        }
     }
     free(mask);
-    if (!result && render_options.stats)
+    if (!result && render_options.stats) {
         print_stats(j, &times);
+    }
     return result;
 }
 
@@ -395,16 +436,20 @@ static btf_result render_all(job *j) {
     btf_result result = BTF_OK;
     for (int frame = 0; frame < render_options.frames && !result; frame++) {
         char path[4096];
-        if (!frame_path(frame, path, sizeof path))
+        if (!frame_path(frame, path, sizeof path)) {
             return cli_error(&render_program, BTF_ERROR_USAGE, "option --output: the name is too long");
-        if (j->whole && frame == j->planned_end)
+        }
+        if (j->whole && frame == j->planned_end) {
             result = plan_frames(j, frame);
-        if (result)
+        }
+        if (result) {
             break;
+        }
         set_frame(j, frame);
         result = render_options.figure13 ? render_figure(j, path) : render_one(j, path);
-        if (render_options.frames > 1 && !render_options.quiet && !result)
+        if (render_options.frames > 1 && !render_options.quiet && !result) {
             fprintf(stderr, "%s\n", path);
+        }
     }
     return result;
 }
@@ -412,24 +457,30 @@ static btf_result render_all(job *j) {
 /* The picture must not replace what it is made from. */
 static btf_result check_output(const char *path) {
     const char *inputs[] = {path, render_options.mesh, render_options.environment, render_options.baseline};
-    for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++)
-        if (inputs[i] && output_is_same(render_options.out, inputs[i]))
+    for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++) {
+        if (inputs[i] && output_is_same(render_options.out, inputs[i])) {
             return cli_error(&render_program, BTF_ERROR_USAGE, "option --output: %s is an input",
                              inputs[i]);
+        }
+    }
     return BTF_OK;
 }
 
 static btf_result run(const char *path) {
     job j = {.log = cli_log(&render_program, render_options.quiet), .info = {.struct_size = sizeof j.info}};
     btf_result result = settings_check();
-    if (!result)
+    if (!result) {
         result = check_output(path);
-    if (!result)
+    }
+    if (!result) {
         result = prepare(&j, path);
-    if (!result)
+    }
+    if (!result) {
         result = render_all(&j);
-    if (result == BTF_ERROR_INTERRUPTED)
+    }
+    if (result == BTF_ERROR_INTERRUPTED) {
         cli_error(&render_program, result, "interrupted");
+    }
     original_close(&j.original);
     shader_destroy(&j.shader);
     shader_destroy(&j.baseline_shader);
@@ -448,7 +499,8 @@ static btf_result run(const char *path) {
 int main(int argc, char **argv) {
     cli_arguments arguments;
     int exit_code;
-    if (!cli_parse(&render_program, argc, argv, &arguments, &exit_code))
+    if (!cli_parse(&render_program, argc, argv, &arguments, &exit_code)) {
         return exit_code;
+    }
     return cli_finish(&render_program, run(arguments.values[0]));
 }

@@ -43,8 +43,9 @@ static bool is_usable(float value) {
 
 static void channels(const table *t, const float *pixels, int x, int y, double out[3]) {
     const float *p = pixels + 3 * ((size_t)y * (size_t)t->width + (size_t)x);
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
         out[c] = is_usable(p[c]) ? (double)p[c] : 0;
+    }
 }
 
 static double luminance(const double rgb[3]) {
@@ -69,10 +70,12 @@ static void fill(table *t, const float *pixels) {
 static void cut(const table *t, region r, region *out_a, region *out_b) {
     double middle = RENDER_PI * (r.y0 + r.y1) / 2 / t->height;
     bool across = (r.x1 - r.x0) * sin(middle) * 2 / t->width >= (double)(r.y1 - r.y0) / t->height;
-    if (r.x1 - r.x0 < 2)
+    if (r.x1 - r.x0 < 2) {
         across = false;
-    if (r.y1 - r.y0 < 2)
+    }
+    if (r.y1 - r.y0 < 2) {
         across = true;
+    }
     const double half = region_sum(t, r) / 2;
     *out_a = *out_b = r;
     int low = across ? r.x0 + 1 : r.y0 + 1, high = across ? r.x1 - 1 : r.y1 - 1, at = low;
@@ -94,7 +97,7 @@ static bool add_light(light_list *list, const table *t, const float *pixels, reg
                       double gain) {
     light l = {0};
     vec3 centre = {0};
-    for (int y = r.y0; y < r.y1; y++)
+    for (int y = r.y0; y < r.y1; y++) {
         for (int x = r.x0; x < r.x1; x++) {
             double rgb[3], theta = RENDER_PI * (y + 0.5) / t->height,
                            longitude = (x + 0.5) / t->width * 2 * RENDER_PI - RENDER_PI;
@@ -103,11 +106,14 @@ static bool add_light(light_list *list, const table *t, const float *pixels, reg
             vec3 d = vec(sin(theta) * sin(longitude), cos(theta), -sin(theta) * cos(longitude));
             double weight = solid_angle(t, y);
             centre = vec_add(centre, vec_mul(d, weight * luminance(rgb)));
-            for (int c = 0; c < 3; c++)
+            for (int c = 0; c < 3; c++) {
                 l.colour[c] += rgb[c] * weight * (gain / RENDER_PI);
+            }
         }
-    if (!(luminance(l.colour) > 0))
+    }
+    if (!(luminance(l.colour) > 0)) {
         return true;
+    }
     l.at = vec_unit(centre, vec(0, 1, 0));
     return light_list_add(list, l);
 }
@@ -123,16 +129,19 @@ btf_result light_list_add_environment(light_list *list, int width, int height, c
         int have = 1;
         while (have < count) {
             int before = have;
-            for (int i = 0; i < before && have < count; i++)
+            for (int i = 0; i < before && have < count; i++) {
                 if (regions[i].x1 - regions[i].x0 > 1 || regions[i].y1 - regions[i].y0 > 1) {
                     region whole = regions[i];
                     cut(&t, whole, &regions[i], &regions[have++]);
                 }
-            if (have == before)
+            }
+            if (have == before) {
                 break; /* single pixels */
+            }
         }
-        for (int i = 0; i < have && ok; i++)
+        for (int i = 0; i < have && ok; i++) {
             ok = add_light(list, &t, pixels, regions[i], rotate, gain);
+        }
     }
     free(regions);
     free(t.sums);
@@ -143,26 +152,32 @@ btf_result light_list_add_environment(light_list *list, int width, int height, c
 static void note_contents(int width, int height, const float *pixels, image_info *info) {
     const size_t count = (size_t)width * (size_t)height * 3;
     size_t unusable = 0, first = 0;
-    for (size_t i = 0; i < count; i++)
-        if (!is_usable(pixels[i]) && unusable++ == 0)
+    for (size_t i = 0; i < count; i++) {
+        if (!is_usable(pixels[i]) && unusable++ == 0) {
             first = i;
-    if (unusable > 0)
+        }
+    }
+    if (unusable > 0) {
         image_note(info, IMAGE_NOTE_RANGE,
                    "%zu samples that are below 0, infinite or not a number are taken as 0: the first is %g "
                    "in column %zu, row %zu",
                    unusable, (double)pixels[first], first / 3 % (size_t)width, first / 3 / (size_t)width);
-    if (abs(width - 2 * height) > 1 + width / 50)
+    }
+    if (abs(width - 2 * height) > 1 + width / 50) {
         image_note(info, IMAGE_NOTE_ENVMAP,
-                   "%d x %d pixels are taken as latitude and longitude of the whole sphere, which is twice as wide "
+                   "%d x %d pixels are taken as latitude and longitude of the whole sphere, which is twice "
+                   "as wide "
                    "as high",
                    width, height);
+    }
 }
 
 /* Three channels of one; NULL when out of memory. */
 static float *spread_grey(float *grey, size_t count) {
     float *rgb = malloc(count * 3 * sizeof *rgb);
-    for (size_t i = 0; i < 3 * count && rgb; i++)
+    for (size_t i = 0; i < 3 * count && rgb; i++) {
         rgb[i] = grey[i / 3];
+    }
     free(grey);
     return rgb;
 }
@@ -176,8 +191,9 @@ btf_result environment_read(const char *path, const char *layer, const btf_log *
     *out_pixels = NULL;
     image_info info = {0};
     btf_result result = file_read(path, (size_t)1 << 31, log, &data, &size);
-    if (result)
+    if (result) {
         return result;
+    }
     if (size >= 2 && !memcmp(data, "#?", 2) && layer) {
         result = BTF_ERROR_UNSUPPORTED;
         snprintf(message, sizeof message, "--layer %s: a Radiance map has no layers", layer);
@@ -233,11 +249,13 @@ btf_result light_list_read_environment(light_list *list, const char *path, const
     float *pixels;
     int width, height;
     btf_result result = environment_read(path, layer, log, &width, &height, &pixels);
-    if (result)
+    if (result) {
         return result;
+    }
     result = light_list_add_environment(list, width, height, pixels, count, rotate, gain);
-    if (result)
+    if (result) {
         file_say(log, "%s: out of memory for the lights of a map", path);
+    }
     free(pixels);
     return result;
 }

@@ -15,8 +15,9 @@ static btf_result make(const btf_material *material, const plan_range *range, co
     btf_scene scene = plan_range_scene(range);
     scene.interpolate = wishes->interpolate;
     scene.costs = wishes->costs;
-    if (wishes->finest)
+    if (wishes->finest) {
         scene.pixels = 1;
+    }
     return btf_plan_effects(material, &scene, wishes->tolerance, plan);
 }
 
@@ -31,10 +32,12 @@ btf_result frame_plan(const btf_material *material, const plan_range *seen, int 
         btf_plan one, all;
         plan_range_join(&more, &seen[*out_end]);
         result = make(material, &seen[*out_end], wishes, &one);
-        if (!result)
+        if (!result) {
             result = make(material, &more, wishes, &all);
-        if (result || price(&all) > 1.25f * fminf(cheapest, price(&one)))
+        }
+        if (result || price(&all) > 1.25f * fminf(cheapest, price(&one))) {
             break;
+        }
         cheapest = fminf(cheapest, price(&one));
         together = more;
         *out_plan = all;

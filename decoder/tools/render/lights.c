@@ -7,11 +7,13 @@
 #include <stdlib.h>
 
 bool light_list_add(light_list *list, light l) {
-    if (list->count >= LIGHTS_MAX)
+    if (list->count >= LIGHTS_MAX) {
         return false;
+    }
     light *grown = realloc(list->lights, (list->count + 1) * sizeof *grown);
-    if (!grown)
+    if (!grown) {
         return false;
+    }
     list->lights = grown;
     list->lights[list->count++] = l;
     return true;

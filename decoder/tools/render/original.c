@@ -22,8 +22,8 @@ static btf_result same_directions(const char *what, const btf_directions *expect
                  (unsigned)expected->count);
         return BTF_ERROR_USAGE;
     }
-    for (int i = 0; i < count; i++)
-        for (int k = 0; k < 3; k++)
+    for (int i = 0; i < count; i++) {
+        for (int k = 0; k < 3; k++) {
             if (fabs((double)got[i].xyz[k] - (double)expected->xyz[3 * i + k]) > 1e-3) {
                 file_say(
                     log,
@@ -31,6 +31,8 @@ static btf_result same_directions(const char *what, const btf_directions *expect
                     what, i, got[i].theta, got[i].phi);
                 return BTF_ERROR_USAGE;
             }
+        }
+    }
     return BTF_OK;
 }
 
@@ -57,8 +59,9 @@ btf_result original_open(original_reader *read, const char *input, const btf_mat
     o->threads = threads;
     reference_view(material, 0, &o->material);
     btf_result result = read(input, threads, p, log, &o->data);
-    if (!result)
+    if (!result) {
         result = check(o, material, log);
+    }
     if (result) {
         original_close(&o);
         return result;
@@ -68,10 +71,12 @@ btf_result original_open(original_reader *read, const char *input, const btf_mat
 }
 
 void original_close(original **o) {
-    if (!o || !*o)
+    if (!o || !*o) {
         return;
-    if ((*o)->data.release)
+    }
+    if ((*o)->data.release) {
         (*o)->data.release((*o)->data.owner);
+    }
     free(*o);
     *o = NULL;
 }
@@ -90,22 +95,25 @@ static void evaluate(const original *o, const float *in, float *out) {
     const float *view = in + 2, *light = in + 5;
     const size_t lights = (size_t)o->data.n_lights;
     out[0] = out[1] = out[2] = 0;
-    if (!(view[2] >= 0x1p-24f && light[2] >= 0x1p-24f))
+    if (!(view[2] >= 0x1p-24f && light[2] >= 0x1p-24f)) {
         return;
+    }
     btf_ref_neighbours v = neighbours(o->material.view_table, o->material.view_grid, view);
     btf_ref_neighbours l = neighbours(o->material.light_table, o->material.light_grid, light);
     const uint32_t column = btf_ref_coordinate(in[0], o->material.width) >> 18;
     const uint32_t row = o->material.height - 1 - (btf_ref_coordinate(in[1], o->material.height) >> 18);
     const float *texel = o->data.samples + ((size_t)row * o->material.width + column) *
                                                ((size_t)o->data.n_views * 3 * lights);
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < 3; a++) {
         for (int c = 0; c < 3; c++) {
             const float *profile = texel + (3 * (size_t)v.index[a] + (size_t)c) * lights;
             float sum = 0;
-            for (int b = 0; b < 3; b++)
+            for (int b = 0; b < 3; b++) {
                 sum += profile[l.index[b]] * (float)l.weight[b];
+            }
             out[c] += sum * (float)v.weight[a] * 0x1p-24f;
         }
+    }
 }
 
 static btf_result run(void *user, int variant, int width, int rows, const float *inputs, float *out,
@@ -115,8 +123,9 @@ static btf_result run(void *user, int variant, int width, int rows, const float 
     (void)variant;
     (void)log;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(o->threads)
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count; i++) {
         evaluate(o, inputs + TABLE_INPUTS * (size_t)i, out + 3 * (size_t)i);
+    }
     return BTF_OK;
 }
 

@@ -27,10 +27,12 @@ static size_t value_count(const picture *p) {
 
 /* sRGB coding of a value clipped to [0, 1]. */
 static double srgb(double linear) {
-    if (!(linear > 0))
+    if (!(linear > 0)) {
         return 0;
-    if (linear >= 1)
+    }
+    if (linear >= 1) {
         return 1;
+    }
     return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
 }
 
@@ -39,16 +41,19 @@ unsigned char picture_code(double linear) {
 }
 
 double picture_tone(tone t, double x) {
-    if (t == TONE_REINHARD)
+    if (t == TONE_REINHARD) {
         return x / (1 + x);
-    if (t == TONE_FILMIC)
+    }
+    if (t == TONE_FILMIC) {
         return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+    }
     return x;
 }
 
 void picture_expose(picture *p, double exposure) {
-    for (size_t i = 0; i < value_count(p); i++)
+    for (size_t i = 0; i < value_count(p); i++) {
         p->rgb[i] = (float)((double)p->rgb[i] * exposure);
+    }
 }
 
 bool picture_knows(const char *path) {
@@ -56,13 +61,16 @@ bool picture_knows(const char *path) {
 }
 
 btf_result picture_write(const picture *p, const char *path, tone t, btf_log log) {
-    if (file_ends_in(path, ".exr"))
+    if (file_ends_in(path, ".exr")) {
         return exr_image_write(path, p->width, p->height, p->rgb, false, log);
+    }
     unsigned char *codes = malloc(value_count(p));
-    if (!codes)
+    if (!codes) {
         return BTF_ERROR_MEMORY;
-    for (size_t i = 0; i < value_count(p); i++)
+    }
+    for (size_t i = 0; i < value_count(p); i++) {
         codes[i] = picture_code(picture_tone(t, (double)p->rgb[i]));
+    }
     btf_result result = png_image_write8(path, p->width, p->height, codes, log);
     free(codes);
     return result;
@@ -72,8 +80,9 @@ double picture_psnr(const picture *a, const picture *b, const unsigned char *mas
     double sum = 0;
     size_t count = 0;
     for (size_t i = 0; i < value_count(a); i++) {
-        if (mask && !mask[i / 3])
+        if (mask && !mask[i / 3]) {
             continue;
+        }
         double x = fmin(fmax((double)a->rgb[i], 0), 1), y = fmin(fmax((double)b->rgb[i], 0), 1);
         double difference = coded ? srgb(x) - srgb(y) : x - y;
         sum += difference * difference;

@@ -35,8 +35,9 @@ static void meet(plan_directions *d, const float direction[3]) {
 /* Views and levels of one row of samples, whatever lights them. */
 static void add_views(int width, const table_sample *samples, plan_range *range) {
     for (int x = 0; x < width; x++) {
-        if (!(samples[x].view[2] > 0))
+        if (!(samples[x].view[2] > 0)) {
             continue;
+        }
         const int level = samples[x].level;
         range->level = !range->view.any || level < range->level ? level : range->level;
         meet(&range->view, samples[x].view);
@@ -47,8 +48,9 @@ static void add_views(int width, const table_sample *samples, plan_range *range)
 static void add_light(int width, const float *inputs, const table_sample *samples, plan_range *range) {
     for (int x = 0; x < width; x++) {
         const float *light = inputs + TABLE_INPUTS * x + 5;
-        if (samples[x].view[2] > 0 && light[2] > 0)
+        if (samples[x].view[2] > 0 && light[2] > 0) {
             meet(&range->light, light);
+        }
     }
 }
 
@@ -83,8 +85,9 @@ btf_result plan_range_add(const render_scene *scene, plan_range *range) {
 }
 
 static void join(plan_directions *d, const plan_directions *other) {
-    if (!other->any)
+    if (!other->any) {
         return;
+    }
     if (!d->any) {
         *d = *other;
         return;
@@ -92,13 +95,15 @@ static void join(plan_directions *d, const plan_directions *other) {
     d->varies = d->varies || other->varies || memcmp(d->first, other->first, sizeof d->first) != 0;
     d->z[0] = fminf(d->z[0], other->z[0]);
     d->z[1] = fmaxf(d->z[1], other->z[1]);
-    for (int i = 0; i < PLAN_SECTORS; i++)
+    for (int i = 0; i < PLAN_SECTORS; i++) {
         d->sector[i] = d->sector[i] || other->sector[i];
+    }
 }
 
 void plan_range_join(plan_range *range, const plan_range *other) {
-    if (other->view.any)
+    if (other->view.any) {
         range->level = range->view.any && range->level < other->level ? range->level : other->level;
+    }
     join(&range->view, &other->view);
     join(&range->light, &other->light);
 }
@@ -108,8 +113,9 @@ static void azimuths(const plan_directions *d, float phi[2]) {
     int longest = 0, end = 0;
     for (int from = 0; from < PLAN_SECTORS; from++) {
         int length = 0;
-        while (length < PLAN_SECTORS && !d->sector[(from + length) % PLAN_SECTORS])
+        while (length < PLAN_SECTORS && !d->sector[(from + length) % PLAN_SECTORS]) {
             length++;
+        }
         if (length > longest) {
             longest = length;
             end = (from + length) % PLAN_SECTORS;
@@ -117,8 +123,9 @@ static void azimuths(const plan_directions *d, float phi[2]) {
     }
     const float margin = 0.01f;
     phi[0] = phi[1] = 0;
-    if (longest < 2)
+    if (longest < 2) {
         return;
+    }
     phi[0] = sector_degrees * (float)end - margin;
     phi[1] = sector_degrees * (float)((end + PLAN_SECTORS - longest) % PLAN_SECTORS) + margin;
 }
@@ -126,8 +133,9 @@ static void azimuths(const plan_directions *d, float phi[2]) {
 static btf_range range_of(const plan_directions *d) {
     const double margin = 0.01;
     btf_range range = {0};
-    if (!d->any)
+    if (!d->any) {
         return range;
+    }
     if (!d->varies && d->z[0] > 1e-6f) {
         range.fixed = 1;
         memcpy(range.direction, d->first, sizeof range.direction);
@@ -173,17 +181,20 @@ btf_range plan_range_widen(const btf_range *range, float degrees) {
 }
 
 bool plan_range_covers(const btf_range *outer, const btf_range *inner, float slack) {
-    if (outer->fixed)
+    if (outer->fixed) {
         return inner->fixed && memcmp(outer->direction, inner->direction, sizeof outer->direction) == 0;
+    }
     double theta[2], wide[2], from, length, wide_from, wide_length;
     elevations(inner, theta);
     elevations(outer, wide);
     turns(inner, &from, &length);
     turns(outer, &wide_from, &wide_length);
-    if (wide[0] > fmax(theta[0] - slack, 0) || wide[1] < fmin(theta[1] + slack, 90))
+    if (wide[0] > fmax(theta[0] - slack, 0) || wide[1] < fmin(theta[1] + slack, 90)) {
         return false;
-    if (wide_length >= 360)
+    }
+    if (wide_length >= 360) {
         return true;
+    }
     const double offset = fmod(from - slack - wide_from + 1080, 360);
     return offset + length + 2 * (double)slack <= wide_length;
 }

@@ -46,8 +46,9 @@ static void fill(sampled_environment *e) {
         double *row = e->columns + (size_t)y * ((size_t)e->width + 1);
         const double solid = (cos(RENDER_PI * y / e->height) - cos(RENDER_PI * (y + 1) / e->height)) *
                              (2 * RENDER_PI / e->width);
-        for (int x = 0; x < e->width; x++)
+        for (int x = 0; x < e->width; x++) {
             row[x + 1] = row[x] + luminance_at(e, x, y) * solid;
+        }
         e->rows[y + 1] = e->rows[y] + row[e->width];
     }
 }
@@ -72,12 +73,14 @@ btf_result sampled_environment_create(int width, int height, const float *pixels
                                    .gain = gain,
                                    .cosine = 1};
     }
-    if (e && e->pixels && e->columns && e->rows)
+    if (e && e->pixels && e->columns && e->rows) {
         result = btf_evaluator_create(material, log, &evaluator);
-    else
+    } else {
         file_say(log, "out of memory for a map of %d x %d pixels", width, height);
-    if (!result)
+    }
+    if (!result) {
         result = btf_light_sampling_create(material, evaluator, log, &e->tables);
+    }
     btf_evaluator_destroy(&evaluator);
     if (result) {
         sampled_environment_destroy(&e);
@@ -93,8 +96,9 @@ btf_result sampled_environment_create(int width, int height, const float *pixels
 
 void sampled_environment_destroy(sampled_environment **environment) {
     sampled_environment *e = environment ? *environment : NULL;
-    if (!e)
+    if (!e) {
         return;
+    }
     btf_light_sampling_destroy(&e->tables);
     free(e->pixels);
     free(e->columns);
@@ -119,13 +123,15 @@ static int find(const double *sums, int count, double part, double *out_share) {
     int low = 0, high = count - 1;
     while (low < high) {
         const int middle = (low + high) / 2;
-        if (at < sums[middle + 1])
+        if (at < sums[middle + 1]) {
             high = middle;
-        else
+        } else {
             low = middle + 1;
+        }
     }
-    while (low > 0 && !(sums[low + 1] > sums[low])) /* `at` rounded up to the last */
+    while (low > 0 && !(sums[low + 1] > sums[low])) { /* `at` rounded up to the last */
         low--;
+    }
     const double length = sums[low + 1] - sums[low];
     *out_share = length > 0 ? fmin(fmax((at - sums[low]) / length, 0), 1) : 0.5;
     return low;
@@ -156,8 +162,9 @@ static incident look(const sampled_environment *e, vec3 to_light) {
     const double total = e->rows[e->height];
     const float *p = pixel_at(e, x, y);
     incident in = {.density = total > 0 ? luminance_at(e, x, y) / total : 0};
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
         in.radiance[c] = usable(p[c]) * e->gain;
+    }
     return in;
 }
 
@@ -182,8 +189,9 @@ static void light_sample(const sampled_environment *e, const table_scene *scene,
     const uint32_t u1 = random[by_material][0] + at * steps[0], u2 = random[by_material][1] + at * steps[1];
     float local[3];
     vec3 to_light;
-    if (!by_material && !(e->rows[e->height] > 0))
+    if (!by_material && !(e->rows[e->height] > 0)) {
         return;
+    }
     if (by_material) {
         to_light = draw_of_material(e, sample, u1, u2, local);
     } else {
@@ -193,21 +201,23 @@ static void light_sample(const sampled_environment *e, const table_scene *scene,
     memcpy(in + 5, local, sizeof local);
     const incident from = look(e, to_light);
     if (!(local[2] > 0) || !(from.density > 0) ||
-        (scene->cast_shadows && table_is_shadowed(scene, sample, to_light)))
+        (scene->cast_shadows && table_is_shadowed(scene, sample, to_light))) {
         return;
+    }
     const double density =
         e->by_map * from.density + e->by_material * (double)btf_ref_pdf_light(&e->directions, &e->sampling,
                                                                               sample->uv[0], sample->uv[1],
                                                                               sample->view, local);
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
         weight[c] = (float)(from.radiance[c] / (RENDER_PI * density));
+    }
 }
 
 void sampled_environment_light(const sampled_environment *environment, const table_scene *scene, int index,
                                int first_row, int rows, const table_sample *samples, float *inputs,
                                float *weights) {
 #pragma omp parallel for schedule(dynamic, 4) num_threads(scene->threads)
-    for (int row = 0; row < rows; row++)
+    for (int row = 0; row < rows; row++) {
         for (int x = 0; x < scene->width; x++) {
             const size_t i = (size_t)row * (size_t)scene->width + (size_t)x;
             uint32_t random[2][3];
@@ -217,8 +227,10 @@ void sampled_environment_light(const sampled_environment *environment, const tab
             }
             table_set_sample(samples + i, inputs + TABLE_INPUTS * i);
             memset(weights + 3 * i, 0, 3 * sizeof *weights);
-            if (samples[i].view[2] != 0)
+            if (samples[i].view[2] != 0) {
                 light_sample(environment, scene, index, (const uint32_t(*)[3])random, samples + i,
                              inputs + TABLE_INPUTS * i, weights + 3 * i);
+            }
         }
+    }
 }

@@ -32,18 +32,23 @@ settings render_options = {.mesh = "sphere",
 static const char *parse_size(const char *text, void *value) {
     int *size = value;
     const char *end;
-    if (!cli_parse_int(text, "x", &size[0], &end) || (*end && !cli_parse_int(end + 1, "", &size[1], NULL)))
+    if (!cli_parse_int(text, "x", &size[0], &end) ||
+        (*end && !cli_parse_int(end + 1, "", &size[1], NULL))) {
         return "N or WxH, each 1..8192";
-    if (!*end)
+    }
+    if (!*end) {
         size[1] = size[0];
+    }
     return size[0] >= 1 && size[0] <= 8192 && size[1] >= 1 && size[1] <= 8192 ? NULL
                                                                               : "N or WxH, each 1..8192";
 }
 
 static const char *parse_view(const char *text, void *value) {
     double view[2];
-    if (cli_parse_doubles(text, view, 2) != 2 || !(view[0] >= 0 && view[0] <= 180 && fabs(view[1]) <= 360))
+    if (cli_parse_doubles(text, view, 2) != 2 ||
+        !(view[0] >= 0 && view[0] <= 180 && fabs(view[1]) <= 360)) {
         return "theta,phi in degrees, theta 0..180, phi -360..360";
+    }
     memcpy(value, view, sizeof view);
     return NULL;
 }
@@ -59,9 +64,10 @@ static const char *parse_level(const char *text, void *value) {
 
 static const char *parse_light(const char *text, void *value) {
     settings *options = value;
-    if (strcmp(text, "environment") != 0)
+    if (strcmp(text, "environment") != 0) {
         return strchr("0123456789.+- ", text[0]) ? light_parse_directional(text, &options->lights)
-                                                : "theta,phi[,intensity[,r,g,b]], or environment";
+                                                 : "theta,phi[,intensity[,r,g,b]], or environment";
+    }
     options->env_sampled = true;
     return NULL;
 }
@@ -342,43 +348,57 @@ const cli_program render_program = {
 };
 
 btf_result settings_check(void) {
-    if (!render_options.out)
+    if (!render_options.out) {
         return cli_error(&render_program, BTF_ERROR_USAGE,
                          "option --output is missing: a picture, .png or .exr");
-    if (!picture_knows(render_options.out))
+    }
+    if (!picture_knows(render_options.out)) {
         return cli_error(&render_program, BTF_ERROR_USAGE,
                          "option --output: '%s' ends neither in .png nor in .exr", render_options.out);
-    if (render_options.figure13 && !render_options.original)
+    }
+    if (render_options.figure13 && !render_options.original) {
         return cli_error(&render_program, BTF_ERROR_USAGE,
                          "option --figure13: needs --original, the images that the material was made from");
-    if (!render_options.figure13 && (render_options.original || render_options.baseline))
+    }
+    if (!render_options.figure13 && (render_options.original || render_options.baseline)) {
         return cli_error(&render_program, BTF_ERROR_USAGE, "option --%s: only together with --figure13",
                          render_options.original ? "original" : "baseline");
-    if (render_options.figure13 && render_options.plan == 0)
+    }
+    if (render_options.figure13 && render_options.plan == 0) {
         return cli_error(&render_program, BTF_ERROR_USAGE, "option --plan: not together with --figure13");
-    if (render_options.figure13 && render_options.stochastic)
-        return cli_error(&render_program, BTF_ERROR_USAGE, "option --stochastic: not together with --figure13");
-    if (render_options.env_sampled && !render_options.environment)
+    }
+    if (render_options.figure13 && render_options.stochastic) {
+        return cli_error(&render_program, BTF_ERROR_USAGE,
+                         "option --stochastic: not together with --figure13");
+    }
+    if (render_options.env_sampled && !render_options.environment) {
         return cli_error(&render_program, BTF_ERROR_USAGE,
                          "option --light environment: needs --environment, a map");
-    if (render_options.env_sampled && render_options.env_lights_given)
+    }
+    if (render_options.env_sampled && render_options.env_lights_given) {
         return cli_error(
             &render_program, BTF_ERROR_USAGE,
             "option --environment-lights: not together with --light environment, which takes --spp");
-    if (render_options.spp_given && !render_options.stochastic && !render_options.env_sampled)
+    }
+    if (render_options.spp_given && !render_options.stochastic && !render_options.env_sampled) {
         return cli_error(&render_program, BTF_ERROR_USAGE,
                          "option --spp: only together with --stochastic or --light environment");
-    if (render_options.env_sampled && !render_options.spp_given)
+    }
+    if (render_options.env_sampled && !render_options.spp_given) {
         render_options.spp = 64;
-    if (render_options.figure13 && render_options.level > 0)
+    }
+    if (render_options.figure13 && render_options.level > 0) {
         return cli_error(&render_program, BTF_ERROR_USAGE,
                          "option --level: %d, but --figure13 compares the original with level 0",
                          render_options.level);
-    if (render_options.environment && (render_options.env_lights & (render_options.env_lights - 1)))
+    }
+    if (render_options.environment && (render_options.env_lights & (render_options.env_lights - 1))) {
         return cli_error(&render_program, BTF_ERROR_USAGE,
                          "option --environment-lights: %d, expected a power of two",
                          render_options.env_lights);
-    if (render_options.threads == 0)
+    }
+    if (render_options.threads == 0) {
         render_options.threads = omp_get_num_procs();
+    }
     return BTF_OK;
 }

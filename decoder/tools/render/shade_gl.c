@@ -31,9 +31,9 @@ typedef struct gl_device {
     int level;       /* of all samples */
     bool has_levels; /* a level a sample */
     bool stochastic;
-    int picked;      /* times that a list is decoded */
-    uint32_t drawn;  /* random numbers of each place in a list */
-    uint32_t *bits;  /* [rows][width][4] */
+    int picked;     /* times that a list is decoded */
+    uint32_t drawn; /* random numbers of each place in a list */
+    uint32_t *bits; /* [rows][width][4] */
     char name[240];
 } gl_device;
 
@@ -100,8 +100,9 @@ static const char phong_text[] =
 static const context_device *find_device(const char *name, const btf_log *log) {
     char list[300] = "reference";
     for (const context_device *d = context_devices; d->name; d++) {
-        if (!strcmp(d->name, name))
+        if (!strcmp(d->name, name)) {
             return d;
+        }
         size_t length = strlen(list);
         snprintf(list + length, sizeof list - length, ", %s", d->name);
     }
@@ -124,8 +125,9 @@ static bool make_colour(gl_device *d, const btf_material *material) {
     btf_ref_material m;
     reference_view(material, 0, &m);
     float *colour = malloc((size_t)m.width * m.height * 4 * sizeof *colour);
-    if (!colour)
+    if (!colour) {
         return false;
+    }
     for (uint32_t i = 0; i < m.width * m.height; i++) {
         btf_ref_evaluate_texel(&m, &options, i % m.width, i / m.width, top, top, colour + 4 * (size_t)i);
         colour[4 * (size_t)i + 3] = 1;
@@ -149,8 +151,9 @@ static GLuint make_program(gl_device *d, const context_device *device, const cha
     snprintf(level, sizeof level, "#define RENDER_LEVEL %d\n", d->level);
     const char *fragment[] = {level, interface_text, library, body, main_text, NULL};
     GLuint program = gl_api_program(&d->gl, version, vertex, fragment, log);
-    if (!program)
+    if (!program) {
         return 0;
+    }
     d->gl.UseProgram(program);
     d->gl.Uniform1i(d->gl.GetUniformLocation(program, "render_inputs"), UNIT_INPUTS);
     d->gl.Uniform1i(d->gl.GetUniformLocation(program, "render_colour"), UNIT_COLOUR);
@@ -165,11 +168,14 @@ static void make_fold(gl_device *d, const shader_request *request, int variant, 
     btf_gl_fold **fold = &d->folds[variant];
     btf_material_info info = {.struct_size = sizeof info};
     const btf_gl_options gl = {sizeof gl, context_get_proc_address, d->context, options};
-    if (options->fold == BTF_FOLD_NONE)
+    if (options->fold == BTF_FOLD_NONE) {
         return;
+    }
     if (btf_gl_fold_create(request->material, &gl, 1, NULL, fold) == BTF_OK &&
-        btf_gl_fold_run(*fold, d->material, UNIT_MATERIAL, 0, options->fixed_light, options->fixed_view, NULL) == BTF_OK)
+        btf_gl_fold_run(*fold, d->material, UNIT_MATERIAL, 0, options->fixed_light, options->fixed_view,
+                        NULL) == BTF_OK) {
         return;
+    }
     btf_material_get_info(request->material, &info);
     file_warn(log, "%s refuses %zu bytes for a fold: nothing is folded", d->name,
               btf_fold_bytes(&info, options->fold, 1));
@@ -185,8 +191,9 @@ static btf_result make_variant(gl_device *d, const context_device *device, const
     d->folded[variant] = options.fold;
     char *library = NULL;
     btf_result result = btf_shader_source(request->material, &options, log, &library);
-    if (result)
+    if (result) {
         return result;
+    }
     d->programs[variant] = make_program(d, device, library,
                                         d->stochastic   ? stochastic_text
                                         : d->has_levels ? level_text
@@ -194,8 +201,9 @@ static btf_result make_variant(gl_device *d, const context_device *device, const
                                                         : decode_text,
                                         log);
     btf_free(library);
-    if (!d->programs[variant])
+    if (!d->programs[variant]) {
         return BTF_ERROR_INTERNAL;
+    }
     return btf_gl_bind(d->material, d->programs[variant], UNIT_MATERIAL, NULL, log, NULL);
 }
 
@@ -210,8 +218,9 @@ static btf_result check_device(gl_device *d, const context_device *device, const
              (const char *)d->gl.GetString(GL_VERSION));
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(request->material, &info);
-    if (request->math == BTF_MATH_FAST && info.levels == 1 && info.store != BTF_STORE_FACTORS)
+    if (request->math == BTF_MATH_FAST && info.levels == 1 && info.store != BTF_STORE_FACTORS) {
         return BTF_OK;
+    }
     btf_result result = btf_gl_self_test(&options, log, &failures);
     if (!result && failures & BTF_SELF_TEST_LEVELS && info.levels > 1) {
         file_say(log,
@@ -246,10 +255,12 @@ static btf_result fill(gl_device *d, const context_device *device, const shader_
                        const btf_log *log) {
     const btf_gl_options options = {sizeof options, context_get_proc_address, d->context, NULL};
     btf_result result = gl_api_load(&d->gl, context_get_proc_address, d->context, log);
-    if (!result)
+    if (!result) {
         result = check_device(d, device, request, log);
-    if (!result)
+    }
+    if (!result) {
         result = btf_gl_upload(request->material, &options, log, &d->material);
+    }
     if (!result && !make_colour(d, request->material)) {
         file_say(log, "out of memory for a texture");
         result = BTF_ERROR_MEMORY;
@@ -261,12 +272,15 @@ static btf_result fill(gl_device *d, const context_device *device, const shader_
     d->variants = request->variants;
     d->stochastic = request->picks != BTF_PICK_NONE;
     d->picked = d->stochastic ? request->picked : 1;
-    for (int i = 0; i < request->variants && !result; i++)
+    for (int i = 0; i < request->variants && !result; i++) {
         result = make_variant(d, device, request, i, log);
-    if (!result && !(d->phong = make_program(d, device, "", phong_text, log)))
+    }
+    if (!result && !(d->phong = make_program(d, device, "", phong_text, log))) {
         result = BTF_ERROR_INTERNAL;
-    if (result)
+    }
+    if (result) {
         return result;
+    }
     d->gl.GenFramebuffers(1, &d->framebuffer);
     d->gl.BindFramebuffer(GL_FRAMEBUFFER, d->framebuffer);
     d->gl.GenVertexArrays(1, &d->array);
@@ -276,10 +290,12 @@ static btf_result fill(gl_device *d, const context_device *device, const shader_
 
 static void destroy(void *self) {
     gl_device *d = self;
-    for (int i = 0; i < SHADER_VARIANTS; i++)
+    for (int i = 0; i < SHADER_VARIANTS; i++) {
         btf_gl_fold_destroy(&d->folds[i]);
-    if (d->material)
+    }
+    if (d->material) {
         btf_gl_destroy(&d->material);
+    }
     context_destroy(&d->context); /* and all that lives in it */
     free(d->bits);
     free(d);
@@ -325,8 +341,9 @@ static int max_width(const void *self) {
 
 /* Makes the textures large enough. */
 static btf_result resize(gl_device *d, int width, int rows, const btf_log *log) {
-    if (width == d->width && rows == d->rows)
+    if (width == d->width && rows == d->rows) {
         return BTF_OK;
+    }
     uint32_t *bits = realloc(d->bits, (size_t)width * (size_t)rows * 4 * sizeof *bits);
     if (!bits) {
         file_say(log, "out of memory for %d x %d samples", width, rows);
@@ -363,19 +380,22 @@ static btf_result run(void *self, int variant, int width, int rows, const float 
     gl_device *d = self;
     const size_t count = (size_t)width * (size_t)rows;
     btf_result result = resize(d, width, rows, log);
-    if (result)
+    if (result) {
         return result;
+    }
     d->gl.ActiveTexture(GL_TEXTURE0 + UNIT_INPUTS);
     d->gl.BindTexture(GL_TEXTURE_2D_ARRAY, d->inputs);
     for (int half = 0; half < 2; half++) {
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
             memcpy(d->bits + 4 * i, inputs + TABLE_INPUTS * i + 4 * half, 16);
+        }
         d->gl.TexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, half, width, rows, 1, GL_RGBA_INTEGER,
                             GL_UNSIGNED_INT, d->bits);
     }
     if (d->has_levels) {
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
             d->bits[i] = (uint32_t)inputs[TABLE_INPUTS * i + 8];
+        }
         d->gl.ActiveTexture(GL_TEXTURE0 + UNIT_LEVELS);
         d->gl.BindTexture(GL_TEXTURE_2D, d->levels);
         d->gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R32UI, width, rows, 0, GL_RED_INTEGER, GL_UNSIGNED_INT,
@@ -383,10 +403,12 @@ static btf_result run(void *self, int variant, int width, int rows, const float 
     }
     /* Variants that read other textures share the units. */
     const btf_result bound = btf_gl_bind(d->material, d->programs[variant], UNIT_MATERIAL, NULL, log, NULL);
-    if (bound)
+    if (bound) {
         return bound;
-    if (d->folds[variant])
+    }
+    if (d->folds[variant]) {
         btf_gl_fold_bind(d->folds[variant], d->programs[variant], UNIT_FOLDED, NULL);
+    }
     d->gl.UseProgram(d->programs[variant]);
     if (d->stochastic) {
         d->gl.Uniform1i(d->gl.GetUniformLocation(d->programs[variant], "render_picked"), d->picked);
@@ -398,8 +420,9 @@ static btf_result run(void *self, int variant, int width, int rows, const float 
     d->gl.ReadPixels(0, 0, width, rows, GL_RGBA_INTEGER, GL_UNSIGNED_INT, d->bits);
     for (size_t i = 0; i < count; i++) {
         memcpy(out + 3 * i, d->bits + 4 * i, 12);
-        for (size_t c = 0; c < 3 && d->stochastic; c++)
+        for (size_t c = 0; c < 3 && d->stochastic; c++) {
             out[3 * i + c] = out[3 * i + c] / (float)d->picked;
+        }
     }
     GLenum error = d->gl.GetError();
     if (error != GL_NO_ERROR) {
@@ -419,17 +442,20 @@ static btf_result time_draws(void *self, int variant, int repeats, shader_times 
     double *seconds = calloc((size_t)repeats, sizeof *seconds);
     clock_t cpu = 0;
     *out_times = (shader_times){0};
-    if (!seconds)
+    if (!seconds) {
         return BTF_ERROR_MEMORY;
+    }
     d->gl.UseProgram(variant == SHADER_PHONG ? d->phong : d->programs[variant]);
     for (int i = -1; i < repeats; i++) { /* -1 warms up */
-        if (i == 0)
+        if (i == 0) {
             cpu = clock();
+        }
         double start = omp_get_wtime();
         d->gl.DrawArrays(GL_TRIANGLES, 0, 3);
         d->gl.Finish();
-        if (i >= 0)
+        if (i >= 0) {
             seconds[i] = omp_get_wtime() - start;
+        }
     }
     qsort(seconds, (size_t)repeats, sizeof *seconds, compare);
     *out_times = (shader_times){seconds[repeats / 2], (double)(clock() - cpu) / CLOCKS_PER_SEC / repeats};

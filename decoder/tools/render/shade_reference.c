@@ -29,11 +29,14 @@ typedef struct reference {
 
 static void destroy(void *self) {
     reference *r = self;
-    if (!r)
+    if (!r) {
         return;
-    for (int v = 0; v < SHADER_VARIANTS; v++)
-        for (int i = 0; i < BTF_MAX_LEVELS; i++)
+    }
+    for (int v = 0; v < SHADER_VARIANTS; v++) {
+        for (int i = 0; i < BTF_MAX_LEVELS; i++) {
             free((void *)r->folded[v][i].values);
+        }
+    }
     btf_evaluator_destroy(&r->evaluator);
     free(r);
 }
@@ -45,15 +48,17 @@ static void prepare_reference(reference *self, const shader_request *request) {
     self->picks = (int)request->picks;
     self->picked = request->picked;
     self->levels = (int)info.levels;
-    for (uint32_t i = 0; i < info.levels; i++)
+    for (uint32_t i = 0; i < info.levels; i++) {
         reference_view(request->material, i, &self->level[i]);
-    for (int i = 0; i < request->variants; i++)
+    }
+    for (int i = 0; i < request->variants; i++) {
         self->reference_options[i] = (btf_ref_options){
             .effects = request->effects[i],
             .components = request->components,
             .interpolation =
                 request->interpolation == BTF_INTERPOLATION_NEAREST ? BTF_REF_NEAREST : BTF_REF_LINEAR,
             .filter = filter_of_reference(request->filter)};
+    }
 }
 
 /* Of all levels; false when out of memory. */
@@ -64,8 +69,9 @@ static bool fold(reference *r, const shader_request *request, int variant) {
         f->fold = (int)options.fold; /* the numbers are the same */
         f->values = shade_fold_reference(&r->level[i], &r->reference_options[variant], options.fold,
                                          options.fixed_light, options.fixed_view, r->threads);
-        if (!f->values)
+        if (!f->values) {
             return false;
+        }
     }
     return true;
 }
@@ -89,19 +95,21 @@ static void *create(const shader_request *request, const btf_log *log, btf_resul
     }
     self->threads = request->threads;
     prepare_reference(self, request);
-    for (int i = 0; i < request->variants; i++)
+    for (int i = 0; i < request->variants; i++) {
         self->options[i] = (btf_evaluate_options){.struct_size = sizeof self->options[i],
                                                   .leave_out = ~request->effects[i],
                                                   .components = request->components,
                                                   .interpolation = request->interpolation,
                                                   .filter = request->filter};
-    for (int i = 0; i < request->variants; i++)
+    }
+    for (int i = 0; i < request->variants; i++) {
         if (!fold(self, request, i)) {
             file_say(log, "out of memory for a fold");
             *out_result = BTF_ERROR_MEMORY;
             destroy(self);
             return NULL;
         }
+    }
     return self;
 }
 
@@ -126,11 +134,13 @@ static void pick(const reference *r, int variant, const btf_ref_material *level,
         btf_ref_random(counter, random);
         btf_ref_evaluate_stochastic(level, &r->reference_options[variant], r->picks, in[0], in[1], in + 5,
                                     in + 2, random, rgb);
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             out[c] = out[c] + rgb[c];
+        }
     }
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
         out[c] = out[c] / (float)r->picked;
+    }
 }
 
 static btf_result pick_all(reference *r, int variant, int width, int rows, const float *inputs,
@@ -154,8 +164,9 @@ static btf_result evaluate_all(const reference *r, int variant, int count, const
         const float *in = inputs + TABLE_INPUTS * (size_t)first;
         int32_t levels[CHUNK];
         const int some = count - first < CHUNK ? count - first : CHUNK;
-        for (int i = 0; i < some; i++)
+        for (int i = 0; i < some; i++) {
             levels[i] = (int32_t)in[TABLE_INPUTS * i + 8];
+        }
         const btf_evaluations evaluations = {.struct_size = sizeof evaluations,
                                              .count = (size_t)some,
                                              .uv = in,
@@ -178,8 +189,9 @@ static btf_result read_folds(const reference *r, int variant, int count, const f
     for (int i = 0; i < count; i++) {
         const float *in = inputs + TABLE_INPUTS * (size_t)i;
         const int level = (int)in[8] < r->levels ? (int)in[8] : r->levels - 1;
-        btf_ref_evaluate_folded(&r->level[level], &r->reference_options[variant], &r->folded[variant][level],
-                                in[0], in[1], in + 5, in + 2, out + 3 * (size_t)i);
+        btf_ref_evaluate_folded(&r->level[level], &r->reference_options[variant],
+                                &r->folded[variant][level], in[0], in[1], in + 5, in + 2,
+                                out + 3 * (size_t)i);
     }
     return BTF_OK;
 }
@@ -188,8 +200,9 @@ static btf_result run(void *self, int variant, int width, int rows, const float 
                       const btf_log *log) {
     reference *r = self;
     (void)log;
-    if (r->folded[variant][0].values)
+    if (r->folded[variant][0].values) {
         return read_folds(r, variant, width * rows, inputs, out);
+    }
     return r->picks ? pick_all(r, variant, width, rows, inputs, out)
                     : evaluate_all(r, variant, width * rows, inputs, out);
 }

@@ -21,11 +21,12 @@ struct shader {
 static void describe_fold(const shader_request *request, btf_fold fold, char *text, size_t size) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(request->material, &info);
-    if (fold == BTF_FOLD_NONE)
+    if (fold == BTF_FOLD_NONE) {
         snprintf(text, size, "nothing");
-    else
+    } else {
         snprintf(text, size, "%s, %zu bytes", fold == BTF_FOLD_LIGHT ? "light" : "light and view",
                  btf_fold_bytes(&info, fold, 1));
+    }
 }
 
 btf_result shader_create(const shader_request *request, const btf_log *log, shader **out_shader) {
@@ -48,8 +49,9 @@ btf_result shader_create(const shader_request *request, const btf_log *log, shad
 }
 
 void shader_destroy(shader **s) {
-    if (!s || !*s)
+    if (!s || !*s) {
         return;
+    }
     (*s)->class->destroy((*s)->self);
     free(*s);
     *s = NULL;

@@ -52,8 +52,9 @@ static double footprint(const table_scene *s, const bvh_hit *h, vec3 at, vec3 or
                ac = vec_sub(vec_from(c->position), pa), face = vec_cross(ab, ac);
     const double along = vec_dot(direction, face), area = vec_dot(face, face);
     const double distance = vec_dot(vec_sub(at, origin), face) / along;
-    if (!(area > 0) || !(distance > 0) || !isfinite(distance))
+    if (!(area > 0) || !(distance > 0) || !isfinite(distance)) {
         return INFINITY;
+    }
     const vec3 step = vec_sub(vec_add(origin, vec_mul(direction, distance)), at);
     const double wb = vec_dot(vec_cross(step, ac), face) / area,
                  wc = vec_dot(vec_cross(ab, step), face) / area;
@@ -70,8 +71,9 @@ static double footprint(const table_scene *s, const bvh_hit *h, vec3 at, vec3 or
 static int find_level(const table_scene *s, const camera_frame *f, int x, int y, vec3 at,
                       const bvh_hit *h) {
     const int last = s->levels - 1;
-    if (s->level >= 0 || last <= 0)
+    if (s->level >= 0 || last <= 0) {
         return s->level > 0 ? s->level : 0;
+    }
     double longest = 1;
     for (int axis = 0; axis < 2; axis++) {
         vec3 origin, direction;
@@ -92,13 +94,16 @@ static void fill(const table_scene *s, vec3 to_viewer, vec3 at, const bvh_hit *h
     vec3 tangent = blend3(h, a->tangent, b->tangent, c->tangent);
     tangent = vec_unit(vec_sub(tangent, vec_mul(n, vec_dot(n, tangent))), vec_perpendicular(n));
     vec3 bitangent = vec_mul(vec_cross(n, tangent), a->tangent[3] < 0 ? -1 : 1);
-    if (vec_dot(face, n) < 0)
+    if (vec_dot(face, n) < 0) {
         face = vec_mul(face, -1);
-    if (vec_dot(face, to_viewer) < 0)
+    }
+    if (vec_dot(face, to_viewer) < 0) {
         n = vec_mul(n, -1);
+    }
     vec3 view = vec(vec_dot(to_viewer, tangent), vec_dot(to_viewer, bitangent), vec_dot(to_viewer, n));
-    if (view.z < LOWEST_VIEW)
+    if (view.z < LOWEST_VIEW) {
         view.z = LOWEST_VIEW;
+    }
     view = vec_unit(view, vec(0, 0, 1));
     out->uv[0] = fraction(blend(h, a->uv[0], b->uv[0], c->uv[0]) * s->repeat[0]);
     out->uv[1] = fraction(blend(h, a->uv[1], b->uv[1], c->uv[1]) * s->repeat[1]);
@@ -112,7 +117,7 @@ static void fill(const table_scene *s, vec3 to_viewer, vec3 at, const bvh_hit *h
 void table_cast(const table_scene *scene, int first_row, int rows, table_sample *out) {
     const camera_frame frame = camera_get_frame(&scene->camera);
 #pragma omp parallel for schedule(dynamic, 4) num_threads(scene->threads)
-    for (int row = 0; row < rows; row++)
+    for (int row = 0; row < rows; row++) {
         for (int x = 0; x < scene->width; x++) {
             table_sample *sample = out + (size_t)row * (size_t)scene->width + (size_t)x;
             vec3 origin, direction;
@@ -125,6 +130,7 @@ void table_cast(const table_scene *scene, int first_row, int rows, table_sample 
                 sample->level = find_level(scene, &frame, x, first_row + row, at, &hit);
             }
         }
+    }
 }
 
 static bool blocked(const table_scene *s, const table_sample *sample, vec3 to_light, double distance) {
@@ -139,8 +145,9 @@ bool table_is_shadowed(const table_scene *scene, const table_sample *sample, vec
 }
 
 void table_set_sample(const table_sample *sample, float *inputs) {
-    for (int k = 0; k < 2; k++)
+    for (int k = 0; k < 2; k++) {
         inputs[k] = sample->uv[k];
+    }
     for (int k = 0; k < 3; k++) {
         inputs[2 + k] = sample->view[k];
         inputs[5 + k] = 0;
@@ -164,23 +171,28 @@ void table_light(const table_scene *scene, const light *l, size_t count, const t
         vec3 to_light = l->at;
         double distance = 1;
         table_set_sample(sample, in);
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; k++) {
             weight[k] = 0;
-        if (sample->view[2] == 0)
+        }
+        if (sample->view[2] == 0) {
             continue;
+        }
         if (l->is_point) {
             to_light = vec_sub(l->at, vec_from(sample->position));
             distance = vec_length(to_light);
-            if (distance < 1e-6)
+            if (distance < 1e-6) {
                 continue;
+            }
             to_light = vec_mul(to_light, 1 / distance);
         }
         const vec3 local = table_to_local(sample, to_light);
         vec_store(local, in + 5);
         if (scene->cast_shadows && local.z > 0 &&
-            blocked(scene, sample, to_light, l->is_point ? distance : INFINITY))
+            blocked(scene, sample, to_light, l->is_point ? distance : INFINITY)) {
             continue;
-        for (int k = 0; k < 3; k++)
+        }
+        for (int k = 0; k < 3; k++) {
             weight[k] = (float)(l->colour[k] / (distance * distance));
+        }
     }
 }

@@ -53,8 +53,9 @@ static void on_key(GLFWwindow *window, int key, int scan_code, int action, int m
     char text[160];
     const int mesh_before = v->state.mesh;
     (void)scan_code;
-    if (action == GLFW_RELEASE || modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER))
+    if (action == GLFW_RELEASE || modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER)) {
         return;
+    }
     switch (view_state_key(&v->state, key_code(key), text, sizeof text)) {
     case VIEW_NOTHING:
         return;
@@ -71,10 +72,12 @@ static void on_key(GLFWwindow *window, int key, int scan_code, int action, int m
         break;
     }
     if (key == GLFW_KEY_N || key == GLFW_KEY_B || key == GLFW_KEY_X || key == GLFW_KEY_L ||
-        key == GLFW_KEY_T || key == GLFW_KEY_R)
+        key == GLFW_KEY_T || key == GLFW_KEY_R) {
         costs_clear(&v->costs);
-    if (v->state.mesh != mesh_before)
+    }
+    if (v->state.mesh != mesh_before) {
         v->failed = viewer_use_mesh(v);
+    }
     v->animated_at = glfwGetTime();
     viewer_tell(v, text);
 }
@@ -91,8 +94,9 @@ static void on_pointer(GLFWwindow *window, double x, double y) {
                middle = glfwGetMouseButton(window, GLFW_MOUSE_BUTTON_MIDDLE);
     v->pointer[0] = x;
     v->pointer[1] = y;
-    if (!left && !right && !middle)
+    if (!left && !right && !middle) {
         return;
+    }
     char text[160];
     if (middle) {
         view_state_drag(&v->state, VIEW_DRAG_SPLIT, dx, dy);
@@ -121,8 +125,9 @@ static void on_scroll(GLFWwindow *window, double dx, double dy) {
 static bool is_model(const char *path) {
     char begin[256] = "";
     FILE *file = file_is_exr(path) ? NULL : fopen(path, "rb");
-    if (!file)
+    if (!file) {
         return false;
+    }
     begin[fread(begin, 1, sizeof begin - 1, file)] = '\0';
     fclose(file);
     const char *text = begin + (strncmp(begin, "\xef\xbb\xbf", 3) == 0 ? 3 : 0);
@@ -135,8 +140,9 @@ static void on_drop(GLFWwindow *window, int count, const char **paths) {
     for (int i = 0; i < count; i++) {
         const bool is_mesh = is_model(paths[i]);
         btf_result result = is_mesh ? viewer_load_mesh(v, paths[i]) : viewer_load_material(v, paths[i]);
-        if (!result && is_mesh)
+        if (!result && is_mesh) {
             result = viewer_use_mesh(v);
+        }
         if (!result) {
             char text[160];
             snprintf(text, sizeof text, "opened %.120s", viewer_base_name(paths[i]));
@@ -192,15 +198,18 @@ static btf_result check_device(viewer *v) {
     uint32_t failures = 0;
     char names[200];
     btf_result result = btf_gl_self_test(&gl_options, &v->log, &failures);
-    if (failures & BTF_SELF_TEST_LEVELS)
+    if (failures & BTF_SELF_TEST_LEVELS) {
         fprintf(stderr, "btf-view: warning: this device fetches from wrong mip levels: "
                         "materials of several levels of detail will look wrong\n");
-    if (failures & BTF_SELF_TEST_FACTORS)
+    }
+    if (failures & BTF_SELF_TEST_FACTORS) {
         fprintf(stderr, "btf-view: warning: this device multiplies or fetches packed factors wrongly: "
                         "materials that hold them will look wrong\n");
-    if (failures & BTF_SELF_TEST_LISTS)
+    }
+    if (failures & BTF_SELF_TEST_LISTS) {
         fprintf(stderr, "btf-view: warning: this device fetches from lists of points wrongly: materials "
                         "that hold them will look wrong\n");
+    }
     failures &= ~(uint32_t)(BTF_SELF_TEST_LEVELS | BTF_SELF_TEST_FACTORS | BTF_SELF_TEST_LISTS);
     if (!result && failures) {
         btf_self_test_names(failures, names, sizeof names);
@@ -212,23 +221,30 @@ static btf_result check_device(viewer *v) {
 
 static btf_result prepare(viewer *v, const char *path) {
     btf_result result = viewer_choose_mesh(v);
-    if (!result && view_options.costs_file)
+    if (!result && view_options.costs_file) {
         result = btf_cost_model_open(view_options.costs_file, &v->log, &v->costs_of_device);
-    if (!result && path) /* so that a missing file is told without a window */
+    }
+    if (!result && path) { /* so that a missing file is told without a window */
         result = btf_material_open(path, &v->log, &v->material);
-    if (!result && view_options.original)
+    }
+    if (!result && view_options.original) {
         result = v->material ? viewer_open_images(v, view_options.original)
                              : cli_error(&view_program, BTF_ERROR_USAGE, "option --original: needs a FILE");
-    if (!result)
+    }
+    if (!result) {
         result = open_window(v);
-    if (!result)
+    }
+    if (!result) {
         result = check_device(v);
-    if (result)
+    }
+    if (result) {
         return result;
+    }
     v->drawing = drawing_create(&v->gl, find_function, NULL, &v->log);
     v->overlay = overlay_create(&v->gl, &v->log);
-    if (!v->drawing || !v->overlay)
+    if (!v->drawing || !v->overlay) {
         return BTF_ERROR_INTERNAL;
+    }
     if (v->material) {
         result = drawing_set_material(v->drawing, v->material, v->images, view_options.plan == 0, &v->log);
         v->state.has_original = v->images != NULL;
@@ -249,23 +265,26 @@ static btf_result loop(viewer *v) {
             v->animated_at = now;
             v->dirty = true;
         }
-        if (view_options.plan == 0 && v->material)
+        if (view_options.plan == 0 && v->material) {
             v->failed = viewer_plan(v, &wait);
-        else if (v->material)
+        } else if (v->material) {
             v->failed = viewer_still(v, &wait);
+        }
         if (v->dirty && !v->failed) {
             v->dirty = false;
             v->failed = viewer_draw_frame(v);
             glfwSwapBuffers(v->window);
         }
-        if (v->state.stochastic && v->material && drawing_samples(v->drawing) < HISTORY_MOST)
+        if (v->state.stochastic && v->material && drawing_samples(v->drawing) < HISTORY_MOST) {
             v->dirty = true;
-        if (v->state.animate || wait == 0 || v->dirty)
+        }
+        if (v->state.animate || wait == 0 || v->dirty) {
             glfwPollEvents();
-        else if (!v->failed && wait > 0)
+        } else if (!v->failed && wait > 0) {
             glfwWaitEventsTimeout(wait);
-        else if (!v->failed)
+        } else if (!v->failed) {
             glfwWaitEvents();
+        }
     }
     return v->failed;
 }
@@ -280,8 +299,9 @@ static btf_result run(const char *path) {
     v.state.math = (btf_math)view_options.math;
     v.state.levels = view_options.level == 0;
     btf_result result = prepare(&v, path);
-    if (!result)
+    if (!result) {
         result = loop(&v);
+    }
     overlay_destroy(&v.overlay);
     drawing_destroy(&v.drawing);
     planner_clear(&v.planning.planner);
@@ -297,7 +317,8 @@ static btf_result run(const char *path) {
 int main(int argc, char **argv) {
     cli_arguments arguments;
     int exit_code;
-    if (!cli_parse(&view_program, argc, argv, &arguments, &exit_code))
+    if (!cli_parse(&view_program, argc, argv, &arguments, &exit_code)) {
         return exit_code;
+    }
     return cli_finish(&view_program, run(arguments.count ? arguments.values[0] : NULL));
 }

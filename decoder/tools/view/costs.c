@@ -22,9 +22,11 @@ const btf_material_error *costs_error(const btf_material *material, uint32_t eff
     size_t count;
     const btf_material_error *errors = btf_material_errors(material, &count);
     btf_material_get_info(material, &info);
-    for (size_t i = 0; i < count && errors; i++)
-        if ((errors[i].effects & info.effects) == (effects & info.effects))
+    for (size_t i = 0; i < count && errors; i++) {
+        if ((errors[i].effects & info.effects) == (effects & info.effects)) {
             return &errors[i];
+        }
+    }
     return NULL;
 }
 
@@ -36,19 +38,22 @@ void costs_text(const costs *c, const btf_material *material, uint32_t effects, 
     for (uint32_t i = 0; i < CLI_EFFECTS_COUNT; i++) {
         const uint32_t bit = 1u << i, with = (effects & info.effects) | bit, without = with & ~bit;
         char ms[24] = "-", db[40] = "-";
-        if (length >= size)
+        if (length >= size) {
             break;
+        }
         if (!(info.effects & bit)) {
             length += (size_t)snprintf(text + length, size - length, "%u %-8s not in the file\n", i + 1,
                                        cli_effect_word((int)i));
             continue;
         }
-        if (c->ms[with] > 0 && c->ms[without] > 0)
+        if (c->ms[with] > 0 && c->ms[without] > 0) {
             snprintf(ms, sizeof ms, "%+.1f ms", c->ms[with] - c->ms[without]);
+        }
         const btf_material_error *a = costs_error(material, with), *b = costs_error(material, without);
-        if (a && b)
+        if (a && b) {
             snprintf(db, sizeof db, "%+.1f/%+.1f dB", (double)a->psnr_linear - (double)b->psnr_linear,
                      (double)a->psnr_srgb - (double)b->psnr_srgb);
+        }
         length += (size_t)snprintf(text + length, size - length, "%u %-8s %-3s %9s  %s\n", i + 1,
                                    cli_effect_word((int)i), effects & bit ? "on" : "off", ms, db);
     }

@@ -42,8 +42,8 @@ typedef struct source {
     const btf_material *material;
     btf_material *apart; /* in layout tight, drawn in its place where GL's textures cannot hold its atlas */
     btf_gl *textures;    /* NULL until it is drawn */
-    btf_plan plan;       /* of a plan's: what it decodes of the material; of the whole, a light that rests */
-    light_fold fold;     /* of the fixed light, where that is drawn from */
+    btf_plan plan;   /* of a plan's: what it decodes of the material; of the whole, a light that rests */
+    light_fold fold; /* of the fixed light, where that is drawn from */
     program programs[PROGRAMS];
     int program_count;
 } source;
@@ -66,8 +66,9 @@ struct drawing {
 };
 
 static void forget_source(drawing *d, source *s) {
-    for (int i = 0; i < s->program_count; i++)
+    for (int i = 0; i < s->program_count; i++) {
         d->gl->DeleteProgram(s->programs[i].name);
+    }
     light_fold_clear(&s->fold);
     btf_gl_destroy(&s->textures);
     btf_material_close(&s->apart);
@@ -75,13 +76,15 @@ static void forget_source(drawing *d, source *s) {
 }
 
 static void forget_material(drawing *d) {
-    for (int i = 0; i < SOURCES; i++)
+    for (int i = 0; i < SOURCES; i++) {
         forget_source(d, &d->sources[i]);
+    }
     d->gl->DeleteTextures(1, &d->images);
     d->images = 0;
     d->used = 0;
-    if (d->history)
+    if (d->history) {
         history_clear(d->history);
+    }
 }
 
 drawing *drawing_create(const gl_api *gl, btf_gl_get_proc_address get, void *user, const btf_log *log) {
@@ -103,8 +106,9 @@ drawing *drawing_create(const gl_api *gl, btf_gl_get_proc_address get, void *use
 }
 
 void drawing_destroy(drawing **d) {
-    if (!d || !*d)
+    if (!d || !*d) {
         return;
+    }
     const GLuint buffers[2] = {(*d)->vertices, (*d)->triangles};
     forget_material(*d);
     history_destroy(&(*d)->history);
@@ -120,8 +124,9 @@ static btf_result upload_images(drawing *d, const original *images, const btf_lo
     const gl_api *gl = d->gl;
     GLint most = 0, most_layers = 0;
     int columns = 1;
-    while (columns * columns < (int)info.n_lights)
+    while (columns * columns < (int)info.n_lights) {
         columns++;
+    }
     const int rows = ((int)info.n_lights + columns - 1) / columns;
     const int width = columns * (int)info.width, height = rows * (int)info.height;
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
@@ -154,8 +159,9 @@ static btf_result upload_images(drawing *d, const original *images, const btf_lo
             const size_t y = light / (size_t)columns * info.height + texel / info.width;
             const float *samples =
                 original_samples(images) + ((texel * info.n_views + v) * 3) * lights + light;
-            for (size_t c = 0; c < 3; c++)
+            for (size_t c = 0; c < 3; c++) {
                 layer[3 * (y * (size_t)width + x) + c] = samples[c * lights];
+            }
         }
         gl->TexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, (GLint)v, width, height, 1, GL_RGB, GL_FLOAT,
                           layer);
@@ -175,17 +181,22 @@ static btf_result upload(drawing *d, source *s, const btf_log *log) {
     const btf_gl_options options = {sizeof options, d->get, d->user, NULL};
     btf_material_info info = {.struct_size = sizeof info};
     int fits = 1;
-    if (s->textures)
+    if (s->textures) {
         return BTF_OK;
+    }
     btf_result result = btf_material_get_info(s->material, &info);
-    if (!result)
+    if (!result) {
         result = btf_gl_fits(s->material, &options, log, &fits);
-    if (!result && !fits && info.layout == BTF_LAYOUT_PAPER)
+    }
+    if (!result && !fits && info.layout == BTF_LAYOUT_PAPER) {
         result = btf_material_to_tight(s->material, log, &s->apart);
-    if (!result)
+    }
+    if (!result) {
         result = btf_gl_upload(s->apart ? s->apart : s->material, &options, log, &s->textures);
-    if (!result && s->apart)
+    }
+    if (!result && s->apart) {
         s->material = s->apart;
+    }
     return result;
 }
 
@@ -194,10 +205,12 @@ btf_result drawing_set_material(drawing *d, const btf_material *material, const 
     forget_material(d);
     d->sources[0].material = material;
     btf_result result = planned ? BTF_OK : upload(d, &d->sources[0], log);
-    if (!result && images)
+    if (!result && images) {
         result = upload_images(d, images, log);
-    if (result)
+    }
+    if (result) {
         forget_material(d);
+    }
     return result;
 }
 
@@ -208,25 +221,28 @@ btf_result drawing_set_plan(drawing *d, int slot, const btf_material *material, 
     s->material = material;
     s->plan = *plan;
     const btf_result result = upload(d, s, log);
-    if (result)
+    if (result) {
         forget_source(d, s);
+    }
     return result;
 }
 
 void drawing_use_plan(drawing *d, int slot) {
     d->used = 1 + slot;
-    for (int i = 1; i < SOURCES; i++)
+    for (int i = 1; i < SOURCES; i++) {
         if (i != d->used) {
             light_fold_clear(&d->sources[i].fold);
             btf_gl_destroy(&d->sources[i].textures);
         }
+    }
 }
 
 size_t drawing_bytes(const drawing *d) {
     size_t bytes = 0;
-    for (int i = 0; i < SOURCES; i++)
+    for (int i = 0; i < SOURCES; i++) {
         bytes += (d->sources[i].textures ? btf_gl_bytes(d->sources[i].textures) : 0) +
                  (d->sources[i].fold.gl ? btf_gl_fold_bytes(d->sources[i].fold.gl) : 0);
+    }
     return bytes;
 }
 
@@ -253,18 +269,20 @@ btf_result drawing_set_mesh(drawing *d, const mesh *m, double repeat, const btf_
     }
     d->index_count = 3 * m->triangle_count;
     d->repeat = repeat;
-    if (d->history)
+    if (d->history) {
         history_clear(d->history);
-    if (gl->GetError() == GL_NO_ERROR)
+    }
+    if (gl->GetError() == GL_NO_ERROR) {
         return BTF_OK;
+    }
     file_say(log, "the mesh does not fit into GL's memory");
     return BTF_ERROR_MEMORY;
 }
 
 static bool same_variant(const variant *a, const variant *b) {
     return a->effects == b->effects && a->interpolation == b->interpolation && a->filter == b->filter &&
-           a->math == b->math && a->images == b->images && a->levels == b->levels && a->stochastic == b->stochastic &&
-           a->folded == b->folded;
+           a->math == b->math && a->images == b->images && a->levels == b->levels &&
+           a->stochastic == b->stochastic && a->folded == b->folded;
 }
 
 static btf_shader_options options_of(const drawing *d, const source *s, const variant *v) {
@@ -297,8 +315,9 @@ static btf_result fold(drawing *d, source *s, const variant *v, double pixels, c
         light_fold_clear(&s->fold);
         return BTF_OK;
     }
-    if (light_fold_make(&s->fold, s->material, s->textures, &gl, &options, UNIT_MATERIAL, NULL) == BTF_OK)
+    if (light_fold_make(&s->fold, s->material, s->textures, &gl, &options, UNIT_MATERIAL, NULL) == BTF_OK) {
         return BTF_OK;
+    }
     d->folds_refused = true;
     btf_material_get_info(s->material, &info);
     file_warn(log, "GL refuses %zu bytes for a fold of the light: nothing is folded from here on",
@@ -312,8 +331,9 @@ static btf_result compile(drawing *d, const source *s, const variant *v, const b
     options.fold = v->folded ? BTF_FOLD_LIGHT : BTF_FOLD_NONE;
     char *library = NULL;
     btf_result result = btf_shader_source(s->material, &options, log, &library);
-    if (result)
+    if (result) {
         return result;
+    }
     const char *vertex[] = {vertex_text, NULL};
     const char *fragment[] = {library, steps_text,
                               v->images       ? images_text
@@ -327,22 +347,25 @@ static btf_result compile(drawing *d, const source *s, const variant *v, const b
                                        : "#version 330 core\n",
                        vertex, fragment, log);
     btf_free(library);
-    if (!*out_program)
+    if (!*out_program) {
         return BTF_ERROR_INTERNAL;
+    }
     return BTF_OK;
 }
 
 /* The program of a variant, compiled when it is new. */
 static btf_result find_program(drawing *d, source *s, const variant *v, const btf_log *log,
                                GLuint *out_program) {
-    for (int i = 0; i < s->program_count; i++)
+    for (int i = 0; i < s->program_count; i++) {
         if (same_variant(&s->programs[i].variant, v)) {
             *out_program = s->programs[i].name;
             return BTF_OK;
         }
+    }
     btf_result result = compile(d, s, v, log, out_program);
-    if (result)
+    if (result) {
         return result;
+    }
     if (s->program_count == PROGRAMS) {
         d->gl->DeleteProgram(s->programs[0].name);
         memmove(s->programs, s->programs + 1, (PROGRAMS - 1) * sizeof *s->programs);
@@ -388,17 +411,22 @@ static btf_result draw_side(drawing *d, int used, const view_state *s, const var
     GLuint name = 0;
     variant read = *v;
     btf_result result = upload(d, from, log);
-    if (!result)
+    if (!result) {
         result = fold_again(d, from, v, (double)width * height, log);
+    }
     read.folded = v->folded && from->fold.gl;
-    if (!result)
+    if (!result) {
         result = find_program(d, from, &read, log, &name);
-    if (!result)
+    }
+    if (!result) {
         result = btf_gl_bind(from->textures, name, UNIT_MATERIAL, NULL, log, NULL);
-    if (result)
+    }
+    if (result) {
         return result;
-    if (read.folded)
+    }
+    if (read.folded) {
         btf_gl_fold_bind(from->fold.gl, name, UNIT_FOLDED, NULL);
+    }
     float matrix[16], eye[3], light[3];
     make_matrix(&frame, width, height, matrix);
     vec_store(vec_mul(frame.back, frame.distance), eye);
@@ -426,7 +454,7 @@ static btf_result draw_side(drawing *d, int used, const view_state *s, const var
 }
 
 static variant variant_of(const view_state *s) {
-    return (variant){s->effects, s->interpolation,              s->filter,     s->math,
+    return (variant){s->effects, s->interpolation,           s->filter,     s->math,
                      false,      s->levels && s->has_levels, s->stochastic, !s->stochastic};
 }
 
@@ -435,13 +463,15 @@ btf_result drawing_fold_plan(drawing *d, int slot, const view_state *s, double p
     return fold(d, &d->sources[1 + slot], &v, pixels, log);
 }
 
-btf_result drawing_fold_whole(drawing *d, const float light[3], const view_state *s, double pixels, const btf_log *log) {
+btf_result drawing_fold_whole(drawing *d, const float light[3], const view_state *s, double pixels,
+                              const btf_log *log) {
     source *whole = &d->sources[0];
     const variant v = variant_of(s);
     btf_shader_options *still = &whole->plan.shader;
     still->fixed = light ? BTF_FIXED_LIGHT : 0u;
-    if (light)
+    if (light) {
         memcpy(still->fixed_light, light, sizeof still->fixed_light);
+    }
     return fold(d, whole, &v, pixels, log);
 }
 
@@ -461,8 +491,9 @@ btf_result drawing_try_plan(drawing *d, int slot, const view_state *s, int width
                             const btf_log *log) {
     const gl_api *gl = d->gl;
     const variant v = variant_of(s);
-    if (v.stochastic && !d->history && !(d->history = history_create(gl, log)))
+    if (v.stochastic && !d->history && !(d->history = history_create(gl, log))) {
         return BTF_ERROR_INTERNAL;
+    }
     gl->Viewport(0, 0, width, height);
     gl->Enable(GL_DEPTH_TEST);
     gl->Enable(GL_SCISSOR_TEST);
@@ -477,26 +508,30 @@ btf_result drawing_try_plan(drawing *d, int slot, const view_state *s, int width
 /* Whether two states show the same picture before it is exposed. */
 static bool same_picture(const view_state *a, const view_state *b) {
     return a->theta == b->theta && a->phi == b->phi && a->light_theta == b->light_theta &&
-           a->light_phi == b->light_phi && a->zoom == b->zoom && a->mesh == b->mesh && a->effects == b->effects &&
-           a->interpolation == b->interpolation && a->filter == b->filter && a->math == b->math &&
-           a->levels == b->levels && a->split_at == b->split_at &&
+           a->light_phi == b->light_phi && a->zoom == b->zoom && a->mesh == b->mesh &&
+           a->effects == b->effects && a->interpolation == b->interpolation && a->filter == b->filter &&
+           a->math == b->math && a->levels == b->levels && a->split_at == b->split_at &&
            (a->split == VIEW_SPLIT_OFF) == (b->split == VIEW_SPLIT_OFF);
 }
 
 /* One more sample of each pixel left of the split, then the mean of all. */
 static btf_result accumulate(drawing *d, const view_state *s, const variant *v, int width, int height,
                              const btf_log *log) {
-    if (!d->history && !(d->history = history_create(d->gl, log)))
+    if (!d->history && !(d->history = history_create(d->gl, log))) {
         return BTF_ERROR_INTERNAL;
-    if (!same_picture(s, &d->accumulated) || d->accumulated_source != d->used)
+    }
+    if (!same_picture(s, &d->accumulated) || d->accumulated_source != d->used) {
         history_clear(d->history);
+    }
     d->accumulated = *s;
     d->accumulated_source = d->used;
     btf_result result = history_begin(d->history, width, height, UNIT_HISTORY, log);
-    if (!result)
+    if (!result) {
         result = draw_side(d, d->used, s, v, width, height, log);
-    if (!result)
+    }
+    if (!result) {
         history_end(d->history, UNIT_HISTORY, (float)exp2(s->exposure));
+    }
     return result;
 }
 
@@ -510,8 +545,9 @@ btf_result drawing_draw(drawing *d, const view_state *s, int width, int height, 
     gl->Disable(GL_SCISSOR_TEST);
     gl->ClearColor(0.1f, 0.1f, 0.11f, 1);
     gl->Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    if (!d->sources[d->used].material)
+    if (!d->sources[d->used].material) {
         return BTF_OK;
+    }
     const int split = s->split == VIEW_SPLIT_OFF ? width : (int)(s->split_at * width + 0.5);
     const variant left = variant_of(s);
     variant right = left;

@@ -58,8 +58,9 @@ static void delete_textures(history *h) {
 }
 
 void history_destroy(history **h) {
-    if (!h || !*h)
+    if (!h || !*h) {
         return;
+    }
     delete_textures(*h);
     (*h)->gl->DeleteProgram((*h)->program);
     free(*h); /* framebuffers and arrays go with the context */
@@ -88,8 +89,9 @@ static GLuint make_texture(const gl_api *gl, int unit, int width, int height, GL
 
 static btf_result resize(history *h, int width, int height, int unit, const btf_log *log) {
     const gl_api *gl = h->gl;
-    if (width == h->width && height == h->height)
+    if (width == h->width && height == h->height) {
         return BTF_OK;
+    }
     delete_textures(h);
     h->depth =
         make_texture(gl, unit, width, height, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT);
@@ -113,8 +115,9 @@ static btf_result resize(history *h, int width, int height, int unit, const btf_
 
 btf_result history_begin(history *h, int width, int height, int unit, const btf_log *log) {
     const btf_result result = resize(h, width, height, unit, log);
-    if (result)
+    if (result) {
         return result;
+    }
     h->now = 1 - h->now;
     h->gl->BindFramebuffer(GL_FRAMEBUFFER, h->framebuffers[h->now]);
     h->gl->ActiveTexture(GL_TEXTURE0 + (GLenum)unit);

@@ -36,18 +36,21 @@ static bool keep_the_same(const btf_shader_options *a, const btf_shader_options 
 btf_result light_fold_make(light_fold *fold, const btf_material *material, btf_gl *textures,
                            const btf_gl_options *gl, const btf_shader_options *options, uint32_t first_unit,
                            const btf_log *log) {
-    if (fold->gl && keep_the_same(&fold->made, options))
+    if (fold->gl && keep_the_same(&fold->made, options)) {
         return BTF_OK;
+    }
     light_fold_clear(fold);
     const btf_shader_options folded = folding(options);
     btf_gl_options of_fold = *gl;
     of_fold.shader = &folded;
     btf_result result = btf_gl_fold_create(material, &of_fold, 1, log, &fold->gl);
-    if (!result)
+    if (!result) {
         result = btf_gl_fold_run(fold->gl, textures, first_unit, 0, options->fixed_light, NULL, log);
+    }
     fold->made = *options;
-    if (result)
+    if (result) {
         light_fold_clear(fold);
+    }
     return result;
 }
 

@@ -54,8 +54,9 @@ overlay *overlay_create(const gl_api *gl, const btf_log *log) {
 }
 
 void overlay_destroy(overlay **o) {
-    if (!o || !*o)
+    if (!o || !*o) {
         return;
+    }
     (*o)->gl->DeleteProgram((*o)->program);
     (*o)->gl->DeleteTextures(1, &(*o)->texture);
     free(*o);
@@ -84,19 +85,23 @@ void overlay_draw(overlay *o, const char *text, int x, int y, int zoom, int widt
     int panel_width, panel_height;
     overlay_size(text, 1, &panel_width, &panel_height);
     unsigned char *panel = calloc((size_t)panel_width * (size_t)panel_height, 1);
-    if (!panel)
+    if (!panel) {
         return;
+    }
     for (int column = 0, line = 0; *text; text++) {
         if (*text == '\n') {
             column = 0;
             line++;
             continue;
         }
-        for (int v = 0; v < FONT_HEIGHT; v++)
-            for (int u = 0; u < FONT_WIDTH; u++)
-                if (font_pixel(*text, u, v))
+        for (int v = 0; v < FONT_HEIGHT; v++) {
+            for (int u = 0; u < FONT_WIDTH; u++) {
+                if (font_pixel(*text, u, v)) {
                     panel[(MARGIN + line * FONT_HEIGHT + v) * panel_width + MARGIN + column * FONT_WIDTH +
                           u] = 255;
+                }
+            }
+        }
         column++;
     }
     gl->ActiveTexture(GL_TEXTURE0);

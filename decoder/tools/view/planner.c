@@ -14,8 +14,9 @@ planner planner_begin(void) {
 }
 
 void planner_clear(planner *p) {
-    for (int i = 0; i < PLANNER_SLOTS; i++)
+    for (int i = 0; i < PLANNER_SLOTS; i++) {
         btf_material_close(&p->slot[i].material);
+    }
     *p = planner_begin();
 }
 
@@ -51,18 +52,22 @@ static bool is_wasteful(const btf_scene *scene, const btf_scene *rings) {
 }
 
 static int find(const planner *p, const btf_scene *scene) {
-    for (int i = 0; i < PLANNER_SLOTS; i++)
-        if (p->slot[i].material && i != p->pending && same_scene(&p->slot[i].plan.scene, scene))
+    for (int i = 0; i < PLANNER_SLOTS; i++) {
+        if (p->slot[i].material && i != p->pending && same_scene(&p->slot[i].plan.scene, scene)) {
             return i;
+        }
+    }
     return -1;
 }
 
 /* The slot that was not used for longest; never the present one. */
 static int oldest(const planner *p) {
     int slot = -1;
-    for (int i = 0; i < PLANNER_SLOTS; i++)
-        if (i != p->current && (slot < 0 || p->slot[i].used < p->slot[slot].used))
+    for (int i = 0; i < PLANNER_SLOTS; i++) {
+        if (i != p->current && (slot < 0 || p->slot[i].used < p->slot[slot].used)) {
             slot = i;
+        }
+    }
     return slot;
 }
 
@@ -80,24 +85,30 @@ static planner_action want(planner *p, const btf_scene *scene) {
 }
 
 planner_action planner_decide(planner *p, const btf_scene *needed, bool at_rest, bool folds) {
-    if (p->pending >= 0 && holds(&p->target, needed, 0))
+    if (p->pending >= 0 && holds(&p->target, needed, 0)) {
         return PLANNER_KEEP;
-    if (p->pending >= 0)
+    }
+    if (p->pending >= 0) {
         planner_drop(p);
+    }
     const btf_scene rings = planner_rings(needed);
     const btf_scene *now = p->current >= 0 ? &p->slot[p->current].plan.scene : NULL;
     if (!now || !holds(now, needed, slack)) {
         /* Rather one that is there than a new one. */
-        for (int i = 0; i < PLANNER_SLOTS; i++)
+        for (int i = 0; i < PLANNER_SLOTS; i++) {
             if (p->slot[i].material && !p->slot[i].plan.scene.light.fixed &&
-                holds(&p->slot[i].plan.scene, needed, slack))
+                holds(&p->slot[i].plan.scene, needed, slack)) {
                 return want(p, &p->slot[i].plan.scene);
+            }
+        }
         return want(p, &rings);
     }
-    if (!at_rest)
+    if (!at_rest) {
         return PLANNER_KEEP;
-    if (is_wasteful(now, &rings))
+    }
+    if (is_wasteful(now, &rings)) {
         return want(p, &rings);
+    }
     if (folds && needed->light.fixed && !now->light.fixed) {
         btf_scene folded = *now;
         folded.light = needed->light;
@@ -112,11 +123,13 @@ btf_result planner_make(planner *p, const btf_material *whole, float tolerance, 
     p->target.costs = costs;
     btf_material_close(&made->material);
     btf_result result = btf_plan_effects(whole, &p->target, tolerance, &made->plan);
-    if (!result)
+    if (!result) {
         result = btf_material_restrict(whole, &made->plan, log, &made->material);
+    }
     made->number = ++p->count;
-    if (result)
+    if (result) {
         planner_drop(p);
+    }
     return result;
 }
 

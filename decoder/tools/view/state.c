@@ -79,19 +79,19 @@ static view_action toggle_effect(view_state *s, int index, char *text, size_t si
 }
 
 static view_action next_split(view_state *s, char *text, size_t size) {
-    do
+    do {
         s->split = (view_split)((s->split + 1) % VIEW_SPLITS);
-    while ((s->split == VIEW_SPLIT_SBRDF && !s->has_sbrdf) ||
-           (s->split == VIEW_SPLIT_ORIGINAL && !s->has_original));
+    } while ((s->split == VIEW_SPLIT_SBRDF && !s->has_sbrdf) ||
+             (s->split == VIEW_SPLIT_ORIGINAL && !s->has_original));
     snprintf(text, size, "split %s%s", split_names[s->split],
              s->split != VIEW_SPLIT_OFF || s->has_sbrdf ? "" : " (the file has no SBRDF)");
     return VIEW_CHANGED;
 }
 
 static view_action next_mesh(view_state *s, char *text, size_t size) {
-    do
+    do {
         s->mesh = (s->mesh + 1) % VIEW_MESHES;
-    while (s->mesh == VIEW_OWN_MESH && !s->has_own_mesh);
+    } while (s->mesh == VIEW_OWN_MESH && !s->has_own_mesh);
     snprintf(text, size, "model %s", mesh_names[s->mesh]);
     return VIEW_CHANGED;
 }
@@ -207,12 +207,13 @@ static void turn(double *theta, double *phi, double dx, double dy) {
 
 void view_state_drag(view_state *s, view_drag kind, double dx, double dy) {
     const double pi = 3.14159265358979323846;
-    if (kind == VIEW_DRAG_ORBIT)
+    if (kind == VIEW_DRAG_ORBIT) {
         turn(&s->theta, &s->phi, -dx * pi, dy * pi);
-    else if (kind == VIEW_DRAG_LIGHT)
+    } else if (kind == VIEW_DRAG_LIGHT) {
         turn(&s->light_theta, &s->light_phi, dx * pi, -dy * pi);
-    else
+    } else {
         s->split_at = clamp(s->split_at + dx, 0, 1);
+    }
 }
 
 void view_state_scroll(view_state *s, double steps) {

@@ -37,14 +37,15 @@ static void levels_text(const viewer *v, char *text, size_t size) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(v->material, &info);
     const bool ends = effects_in_use(v) & BTF_EFFECT_RELIEF && info.relief_end < info.levels;
-    if (!v->state.has_levels)
+    if (!v->state.has_levels) {
         text[0] = 0;
-    else if (!v->state.levels)
+    } else if (!v->state.levels) {
         snprintf(text, size, ", level 0");
-    else if (ends)
+    } else if (ends) {
         snprintf(text, size, ", levels (relief below %u)", (unsigned)info.relief_end);
-    else
+    } else {
         snprintf(text, size, ", levels");
+    }
 }
 
 static void panel_text(const viewer *v, char *text, size_t size) {
@@ -53,24 +54,27 @@ static void panel_text(const viewer *v, char *text, size_t size) {
         snprintf(text, size, "drop a material here: *.btf.exr\n%s", v->message);
         return;
     }
-    if (v->state.stochastic)
+    if (v->state.stochastic) {
         snprintf(picks, sizeof picks, ", stochastic, %d samples a pixel", drawing_samples(v->drawing));
+    }
     const btf_material_error *error = costs_error(v->material, v->state.effects);
-    if (error)
+    if (error) {
         snprintf(quality, sizeof quality, "%.1f dB linear, %.1f dB sRGB", (double)error->psnr_linear,
                  (double)error->psnr_srgb);
-    if (view_options.plan == 0)
+    }
+    if (view_options.plan == 0) {
         viewer_plan_text(v, list, sizeof list);
-    else
+    } else {
         costs_text(&v->costs, v->material, v->state.effects, list, sizeof list);
+    }
     levels_text(v, levels, sizeof levels);
     snprintf(text, size,
              "%s on %s\n%s, %s, %s math%s%s, exposure %+.2f\nframe %.1f ms (%.0f a second)\nPSNR %s\n"
              "effects %s: %s\n%ssplit %s\n%s",
              v->material_name, view_mesh_name(v->state.mesh),
              v->state.interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "linear",
-             filter_name(v->state.filter), v->state.math == BTF_MATH_FAST ? "fast" : "exact",
-             levels, picks, v->state.exposure, v->frame_ms, 1e3 / (v->frame_ms > 0.01 ? v->frame_ms : 0.01), quality,
+             filter_name(v->state.filter), v->state.math == BTF_MATH_FAST ? "fast" : "exact", levels, picks,
+             v->state.exposure, v->frame_ms, 1e3 / (v->frame_ms > 0.01 ? v->frame_ms : 0.01), quality,
              cli_effects_text(v->state.effects, words),
              view_options.plan == 0 ? "what the plan makes of them" : "time and PSNR of each", list,
              view_split_name(v->state.split), v->message[0] ? v->message : "H: help");
@@ -94,18 +98,21 @@ static void draw_overlays(viewer *v) {
 
 btf_result viewer_draw_frame(viewer *v) {
     btf_result result = draw_model(v, &v->state, &v->frame_ms);
-    if (result)
+    if (result) {
         return result;
-    if (v->material && v->state.split == VIEW_SPLIT_OFF)
+    }
+    if (v->material && v->state.split == VIEW_SPLIT_OFF) {
         costs_record(&v->costs, effects_in_use(v), v->frame_ms);
+    }
     draw_overlays(v);
     return BTF_OK;
 }
 
 /* Times the effects as they are, then with each one changed: the median of five frames each. */
 btf_result viewer_measure(viewer *v) {
-    if (!v->material)
+    if (!v->material) {
         return BTF_OK;
+    }
     view_state s = v->state;
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(v->material, &info);
@@ -114,21 +121,25 @@ btf_result viewer_measure(viewer *v) {
     for (uint32_t i = 0; i <= CLI_EFFECTS_COUNT; i++) {
         const uint32_t change = i < CLI_EFFECTS_COUNT ? 1u << i : 0;
         double ms[6];
-        if (change && !(info.effects & change))
+        if (change && !(info.effects & change)) {
             continue;
+        }
         s.effects = effects_in_use(v) ^ change;
         for (int k = 0; k < 6; k++) { /* the first compiles */
             btf_result result = draw_model(v, &s, &ms[k]);
-            if (result)
+            if (result) {
                 return result;
+            }
         }
-        for (int a = 1; a < 6; a++)
-            for (int b = a + 1; b < 6; b++)
+        for (int a = 1; a < 6; a++) {
+            for (int b = a + 1; b < 6; b++) {
                 if (ms[b] < ms[a]) {
                     double swap = ms[a];
                     ms[a] = ms[b];
                     ms[b] = swap;
                 }
+            }
+        }
         costs_record(&v->costs, s.effects, ms[3]);
     }
     char text[160];
@@ -143,14 +154,16 @@ btf_result viewer_save_picture(viewer *v) {
     int width, height;
     double wait;
     btf_result result = view_options.plan == 0 && v->material ? viewer_plan(v, &wait) : BTF_OK;
-    if (!result)
+    if (!result) {
         result = viewer_draw_frame(v);
-    if (result)
+    }
+    if (result) {
         return result;
+    }
     viewer_frame_size(v, &width, &height);
-    do
+    do {
         snprintf(path, sizeof path, "%.900s-%04d.png", view_options.screenshots, ++number);
-    while (access(path, F_OK) == 0 && number < 9999);
+    } while (access(path, F_OK) == 0 && number < 9999);
     const size_t row = (size_t)width * 3;
     unsigned char *rgba = malloc((size_t)width * (size_t)height * 4), *rgb = malloc(row * (size_t)height);
     if (!rgba || !rgb) {
@@ -159,10 +172,12 @@ btf_result viewer_save_picture(viewer *v) {
         return cli_error(&view_program, BTF_ERROR_MEMORY, "out of memory for a picture");
     }
     v->gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-    for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++)
+    for (int y = 0; y < height; y++) {
+        for (int x = 0; x < width; x++) {
             memcpy(rgb + (size_t)(height - 1 - y) * row + 3 * (size_t)x,
                    rgba + 4 * ((size_t)y * (size_t)width + (size_t)x), 3);
+        }
+    }
     if (png_image_write8(path, width, height, rgb, v->log) == BTF_OK) {
         snprintf(text, sizeof text, "saved %s", path);
         viewer_tell(v, text);

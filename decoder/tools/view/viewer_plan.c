@@ -58,11 +58,13 @@ static btf_result find_needed_scene(viewer *v, int width, int height) {
         .samples = 1};
     plan_range range = {0};
     const btf_result result = plan_range_add(&scene, &range);
-    if (result)
+    if (result) {
         return cli_error(&view_program, result, "out of memory for a plan");
+    }
     p->needed = plan_range_scene(&range);
-    if (!p->folds && p->needed.light.fixed)
+    if (!p->folds && p->needed.light.fixed) {
         p->needed.light = plan_range_widen(&p->needed.light, 1);
+    }
     return BTF_OK;
 }
 
@@ -75,10 +77,12 @@ static btf_result note_movement(viewer *v) {
     const bool first = p->size[0] == 0, resized = size[0] != p->size[0] || size[1] != p->size[1];
     const bool camera = first || resized || !same_camera(&p->seen, &v->state),
                lit = first || !same_light(&p->seen, &v->state);
-    if (!camera && !lit)
+    if (!camera && !lit) {
         return BTF_OK;
-    if (first)
+    }
+    if (first) {
         p->folds = mesh_is_flat(viewer_mesh(v));
+    }
     p->moved = camera ? now : p->moved;
     p->light_moved = lit ? now : p->light_moved;
     p->seen = v->state;
@@ -88,8 +92,9 @@ static btf_result note_movement(viewer *v) {
 
 /* Of a light that is folded a texture holds all that it shows, or the shader its neighbours, but with gloss. */
 static const char *light_words(const viewer *v, const btf_plan *plan) {
-    if (!plan->scene.light.fixed)
+    if (!plan->scene.light.fixed) {
         return " free";
+    }
     return drawing_folded(v->drawing)         ? " folded into a texture"
            : plan->effects & BTF_EFFECT_GLOSS ? " folded no further than gloss allows"
                                               : " folded";
@@ -120,25 +125,28 @@ static btf_result do_next_part(viewer *v) {
     planner_plan *made = &p->planner.slot[slot];
     btf_result result = BTF_OK;
     const double start = glfwGetTime();
-    if (p->stage == STAGE_MAKE)
+    if (p->stage == STAGE_MAKE) {
         result = planner_make(&p->planner, v->material, (float)view_options.tolerance,
                               view_options.costs_file ? &v->costs_of_device : NULL, &v->log);
-    else if (p->stage == STAGE_UPLOAD)
+    } else if (p->stage == STAGE_UPLOAD) {
         result = drawing_set_plan(v->drawing, slot, made->material, &made->plan, &v->log);
-    else if (p->stage == STAGE_FOLD)
+    } else if (p->stage == STAGE_FOLD) {
         result = drawing_fold_plan(v->drawing, slot, &v->state, (double)p->size[0] * p->size[1], &v->log);
-    else if (p->stage == STAGE_LINK)
+    } else if (p->stage == STAGE_LINK) {
         result = drawing_link_plan(v->drawing, slot, &v->state, &v->log);
-    else
+    } else {
         result = drawing_try_plan(v->drawing, slot, &v->state, p->size[0], p->size[1], &v->log);
+    }
     p->ms[p->stage++] = 1e3 * (glfwGetTime() - start);
-    if (result || p->stage < STAGES)
+    if (result || p->stage < STAGES) {
         return result;
+    }
     planner_take(&p->planner);
     drawing_use_plan(v->drawing, p->planner.current);
     char times[120];
     snprintf(times, sizeof times, "; made in %.1f ms, upload %.1f, fold %.1f, link %.1f, first pixel %.1f",
-             p->ms[STAGE_MAKE], p->ms[STAGE_UPLOAD], p->ms[STAGE_FOLD], p->ms[STAGE_LINK], p->ms[STAGE_TRY]);
+             p->ms[STAGE_MAKE], p->ms[STAGE_UPLOAD], p->ms[STAGE_FOLD], p->ms[STAGE_LINK],
+             p->ms[STAGE_TRY]);
     report_plan(v, "", made, times);
     return BTF_OK;
 }
@@ -146,8 +154,9 @@ static btf_result do_next_part(viewer *v) {
 btf_result viewer_plan(viewer *v, double *out_wait) {
     planning *p = &v->planning;
     btf_result result = note_movement(v);
-    if (result)
+    if (result) {
         return result;
+    }
     const double now = glfwGetTime(), light_rests = now - p->light_moved, view_rests = now - p->moved;
     const bool at_rest = light_rests >= rest_seconds && view_rests >= rest_seconds && !v->state.animate;
     const planner_action action = planner_decide(
@@ -158,9 +167,9 @@ btf_result viewer_plan(viewer *v, double *out_wait) {
     } else if (action == PLANNER_MAKE) {
         p->stage = STAGE_MAKE;
     }
-    do
+    do {
         result = p->planner.pending >= 0 ? do_next_part(v) : BTF_OK;
-    while (!result && p->planner.current < 0);
+    } while (!result && p->planner.current < 0);
     *out_wait = p->planner.pending >= 0 || action != PLANNER_KEEP ? 0 : at_rest ? -1 : rest_seconds / 2;
     return result;
 }
@@ -186,11 +195,13 @@ btf_result viewer_still(viewer *v, double *out_wait) {
         p->folds = mesh_is_flat(viewer_mesh(v));
         p->light_moved = now;
         p->folded = false;
-        if (drawing_folded(v->drawing))
+        if (drawing_folded(v->drawing)) {
             drawing_fold_whole(v->drawing, NULL, &v->state, 0, &v->log);
+        }
     }
-    if (!p->folds || p->folded || v->state.animate)
+    if (!p->folds || p->folded || v->state.animate) {
         return BTF_OK;
+    }
     if (now - p->light_moved < rest_seconds) {
         *out_wait = rest_seconds / 2;
         return BTF_OK;
@@ -199,13 +210,15 @@ btf_result viewer_still(viewer *v, double *out_wait) {
     char text[120];
     flat_light(viewer_mesh(v), &v->state, light);
     p->folded = true;
-    const btf_result result = light[2] > 1e-6f ? drawing_fold_whole(v->drawing, light, &v->state,
-                                                                    (double)p->size[0] * p->size[1], &v->log)
-                                               : BTF_OK;
-    if (result || !drawing_folded(v->drawing))
+    const btf_result result =
+        light[2] > 1e-6f
+            ? drawing_fold_whole(v->drawing, light, &v->state, (double)p->size[0] * p->size[1], &v->log)
+            : BTF_OK;
+    if (result || !drawing_folded(v->drawing)) {
         return result;
-    snprintf(text, sizeof text, "the light rests: folded into %zu bytes, in %.1f ms", drawing_folded(v->drawing),
-             1e3 * (glfwGetTime() - now));
+    }
+    snprintf(text, sizeof text, "the light rests: folded into %zu bytes, in %.1f ms",
+             drawing_folded(v->drawing), 1e3 * (glfwGetTime() - now));
     viewer_tell(v, text);
     v->dirty = true;
     return BTF_OK;
@@ -220,25 +233,28 @@ void viewer_plan_text(const viewer *v, char *text, size_t size) {
         return;
     }
     const planner_plan *now = &p->slot[p->current];
-    for (int i = 0; i < CLI_EFFECTS_COUNT && length < size; i++)
+    for (int i = 0; i < CLI_EFFECTS_COUNT && length < size; i++) {
         length +=
             (size_t)snprintf(text + length, size - length, "%d %-8s %s%s\n", i + 1, cli_effect_word(i),
                              scene_plan_reason(v->material, &now->plan, i, reason, sizeof reason),
                              v->state.effects >> i & 1 ? "" : "; switched off");
+    }
     const btf_scene *s = &now->plan.scene;
     char between[64] = "";
-    if (now->plan.full_between_psnr_linear > 0)
+    if (now->plan.full_between_psnr_linear > 0) {
         snprintf(between, sizeof between, ", between the samples %.1f of %.1f",
                  (double)now->plan.between_psnr_linear, (double)now->plan.full_between_psnr_linear);
-    if (length < size)
+    }
+    if (length < size) {
         snprintf(text + length, size - length,
-                 "plan %u: views %.0f..%.0f, light%s, level %u, %s\n%.1f dB of %.1f%s, %.0f%% of bytes, %.0f%% of time\n",
+                 "plan %u: views %.0f..%.0f, light%s, level %u, %s\n%.1f dB of %.1f%s, %.0f%% of bytes, "
+                 "%.0f%% of time\n",
                  now->number, (double)s->view.theta[0],
-                 (double)(s->view.theta[1] > 0 ? s->view.theta[1] : 90),
-                 light_words(v, &now->plan), (unsigned)now->plan.level,
-                 scene_plan_amount(&now->plan, amount, sizeof amount), (double)now->plan.psnr_linear,
-                 (double)now->plan.full_psnr_linear, between,
+                 (double)(s->view.theta[1] > 0 ? s->view.theta[1] : 90), light_words(v, &now->plan),
+                 (unsigned)now->plan.level, scene_plan_amount(&now->plan, amount, sizeof amount),
+                 (double)now->plan.psnr_linear, (double)now->plan.full_psnr_linear, between,
                  100 * (double)now->plan.gpu_bytes / (double)now->plan.full_gpu_bytes,
                  100 * (double)(drawing_folded(v->drawing) ? now->plan.folded_cost : now->plan.cost) /
                      (double)now->plan.full_cost);
+    }
 }

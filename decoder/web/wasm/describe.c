@@ -9,9 +9,11 @@
 
 static void effects(json *j, const char *key, uint32_t bits) {
     json_array(j, key);
-    for (int i = 0; btfi_effect_name(i); i++)
-        if (bits >> i & 1)
+    for (int i = 0; btfi_effect_name(i); i++) {
+        if (bits >> i & 1) {
             json_string(j, NULL, btfi_effect_name(i));
+        }
+    }
     json_end(j);
 }
 
@@ -29,8 +31,9 @@ static void model(json *j, const btf_material_info *info) {
     json_array(j, "factorClasses");
     for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {
         json_array(j, NULL);
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; i < 3; i++) {
             json_integer(j, NULL, info->factor_classes[c][i]);
+        }
         json_end(j);
     }
     json_end(j);
@@ -112,11 +115,13 @@ static void shader(json *j, const btf_shader_options *o) {
     json_string(j, "interpolation", o->interpolation == BTF_INTERPOLATION_NEAREST ? "nearest" : "linear");
     json_string(j, "filter", filters[o->filter]);
     for (int k = 0; k < 2; k++) {
-        if (!(o->fixed & (k == 0 ? BTF_FIXED_VIEW : BTF_FIXED_LIGHT)))
+        if (!(o->fixed & (k == 0 ? BTF_FIXED_VIEW : BTF_FIXED_LIGHT))) {
             continue;
+        }
         json_array(j, k == 0 ? "fixedView" : "fixedLight");
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; i < 3; i++) {
             json_float(j, NULL, (k == 0 ? o->fixed_view : o->fixed_light)[i]);
+        }
         json_end(j);
     }
     json_end(j);

@@ -29,8 +29,9 @@ static char last_message[1400];
 
 static void keep_error(void *user, btf_log_level level, const char *message) {
     (void)user;
-    if (level == BTF_LOG_ERROR)
+    if (level == BTF_LOG_ERROR) {
         snprintf(last_message, sizeof last_message, "%s", message);
+    }
 }
 
 static const btf_log error_log = {keep_error, NULL};
@@ -43,8 +44,9 @@ static void begin(void) {
 /* Keeps the result; where no message came with an error, its text is one. */
 static btf_result end(btf_result result) {
     last_result = result;
-    if (result != BTF_OK && !last_message[0])
+    if (result != BTF_OK && !last_message[0]) {
         snprintf(last_message, sizeof last_message, "%s", btf_result_text(result));
+    }
     return result;
 }
 
@@ -75,10 +77,11 @@ BTF_WEB_EXPORT(btf_web_result_text) const char *btf_web_result_text(uint32_t res
 /* Takes over a material that a call made, where it did. */
 static btf_web_material *wrap(btf_result result, btf_material *material) {
     btf_web_material *m = result == BTF_OK ? calloc(1, sizeof *m) : NULL;
-    if (m)
+    if (m) {
         m->material = material;
-    else
+    } else {
         btf_material_close(&material);
+    }
     end(result == BTF_OK && !m ? BTF_ERROR_MEMORY : result);
     return m;
 }
@@ -91,8 +94,9 @@ BTF_WEB_EXPORT(btf_web_open) btf_web_material *btf_web_open(const void *data, ui
 }
 
 BTF_WEB_EXPORT(btf_web_close) void btf_web_close(btf_web_material *material) {
-    if (!material)
+    if (!material) {
         return;
+    }
     btf_evaluator_destroy(&material->evaluator);
     btf_material_close(&material->material);
     free(material);
@@ -147,11 +151,13 @@ const btf_web_texture *btf_web_get_texture(const btf_web_material *material, uin
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material->material, &info);
     memset(&out, 0, sizeof out);
-    if (id >= BTF_TEXTURE_COUNT)
+    if (id >= BTF_TEXTURE_COUNT) {
         return &out;
+    }
     const btf_texture t = btf_material_level_texture(material->material, level, (btf_texture_id)id);
-    if (t.format == BTF_FORMAT_NONE)
+    if (t.format == BTF_FORMAT_NONE) {
         return &out;
+    }
     out.format = t.format;
     out.is_array = (uint32_t)t.is_array;
     out.width = t.width;
@@ -231,9 +237,10 @@ static btf_result find_plan(const btf_web_material *material, const btf_web_scen
     memset(out_plan, 0, sizeof *out_plan);
     out_plan->struct_size = sizeof *out_plan;
     const btf_result result = btf_plan_effects(material->material, &s, scene->tolerance, out_plan);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         keep_error(NULL, BTF_LOG_ERROR,
                    "the scene: a range holds no direction, or a number is negative or infinite");
+    }
     return result;
 }
 
@@ -241,8 +248,9 @@ BTF_WEB_EXPORT(btf_web_plan)
 const char *btf_web_plan(const btf_web_material *material, const btf_web_scene *scene) {
     btf_plan plan;
     begin();
-    if (end(find_plan(material, scene, &plan)) != BTF_OK)
+    if (end(find_plan(material, scene, &plan)) != BTF_OK) {
         return NULL;
+    }
     json j = {0};
     describe_plan(&j, &plan);
     return keep_json(&j);
@@ -257,11 +265,13 @@ const char *btf_web_predict(const btf_web_material *material, const btf_web_scen
     btf_result result = find_plan(material, scene, &plan);
     if (result == BTF_OK) {
         result = btf_plan_predict(material->material, &plan, effects, components, &linear, &srgb);
-        if (result != BTF_OK)
+        if (result != BTF_OK) {
             keep_error(NULL, BTF_LOG_ERROR, "the encoder did not measure these effects and components");
+        }
     }
-    if (end(result) != BTF_OK)
+    if (end(result) != BTF_OK) {
         return NULL;
+    }
     json j = {0};
     json_object(&j, NULL);
     json_float(&j, "psnrLinear", linear);
@@ -276,8 +286,9 @@ btf_web_material *btf_web_restrict(const btf_web_material *material, const btf_w
     btf_material *out = NULL;
     begin();
     btf_result result = find_plan(material, scene, &plan);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_material_restrict(material->material, &plan, &error_log, &out);
+    }
     return wrap(result, out);
 }
 
@@ -305,11 +316,12 @@ static void evaluate_reference(const btf_material *material, const btf_web_optio
         const float *uv = e->uv + 2 * i;
         const float *light = e->lights + (e->fixed & BTF_FIXED_LIGHT ? 0 : 3 * i);
         const float *view = e->views + (e->fixed & BTF_FIXED_VIEW ? 0 : 3 * i);
-        if (options->picks)
+        if (options->picks) {
             btf_ref_evaluate_stochastic(&reference, &how, (int)options->picks, uv[0], uv[1], light, view,
                                         e->random + 3 * i, e->rgb + 3 * i);
-        else
+        } else {
             btf_ref_evaluate(&reference, &how, uv[0], uv[1], light, view, e->rgb + 3 * i);
+        }
     }
 }
 
@@ -319,16 +331,19 @@ static btf_result evaluate_many(btf_web_material *material, const btf_web_option
     if (!material->evaluator) {
         const btf_result result =
             btf_evaluator_create(material->material, &error_log, &material->evaluator);
-        if (result != BTF_OK)
+        if (result != BTF_OK) {
             return result;
+        }
     }
     int32_t *levels = NULL;
     if (e->level && e->count) {
         levels = malloc(e->count * sizeof *levels);
-        if (!levels)
+        if (!levels) {
             return BTF_ERROR_MEMORY;
-        for (size_t i = 0; i < e->count; i++)
+        }
+        for (size_t i = 0; i < e->count; i++) {
             levels[i] = (int32_t)e->level;
+        }
     }
     const btf_evaluate_options how = {.struct_size = sizeof how,
                                       .leave_out = options->leave_out,
@@ -352,8 +367,9 @@ BTF_WEB_EXPORT(btf_web_evaluate)
 uint32_t btf_web_evaluate(btf_web_material *material, const btf_web_options *options,
                           const btf_web_evaluations *evaluations) {
     begin();
-    if (!evaluations->reference && !options->picks)
+    if (!evaluations->reference && !options->picks) {
         return end(evaluate_many(material, options, evaluations));
+    }
     evaluate_reference(material->material, options, evaluations);
     return end(BTF_OK);
 }

@@ -36,8 +36,9 @@ btf_fold check_fold_kind(const btf_material_info *info, uint64_t seed, uint64_t 
     const uint64_t views = (uint64_t)info->n_views * info->width * info->height * LIGHTS;
     const bool light = info->colour == BTF_COLOUR_NONE && views <= EVALUATIONS * count;
     const uint64_t kind = seed / 3 % 3;
-    if (kind == 0 && light)
+    if (kind == 0 && light) {
         return BTF_FOLD_LIGHT;
+    }
     return kind == 1 ? BTF_FOLD_BOTH : BTF_FOLD_NEIGHBOURS;
 }
 
@@ -66,8 +67,9 @@ static btf_result add_lights(folding *of, uint32_t levels) {
             btf_ref_fold_add(texels, one, of->weights[i], of->sums[level]);
         }
         free(one);
-        if (!one || !of->sums[level])
+        if (!one || !of->sums[level]) {
             return BTF_ERROR_MEMORY;
+        }
     }
     return BTF_OK;
 }
@@ -77,8 +79,9 @@ static btf_result choose_folding(random_state *r, const check_subject *s, const 
                                  bool sum, btf_shader_options *shader, uint64_t seed, folding *of) {
     const btf_directions views = btf_material_views(s->material), lights = btf_material_lights(s->material);
     *of = (folding){.options = variant_reference_options(shader)};
-    for (uint32_t level = 0; level < info->levels; ++level)
+    for (uint32_t level = 0; level < info->levels; ++level) {
         reference_view(s->material, level, &of->levels[level]);
+    }
     for (int i = 0; i < LIGHTS; ++i) {
         case_direction(r, &lights, of->directions[i][0]);
         case_direction(r, &views, of->directions[i][1]);
@@ -92,8 +95,9 @@ static btf_result choose_folding(random_state *r, const check_subject *s, const 
     }
     for (int i = 0; i < SUMMED && sum; ++i) {
         case_direction(r, &lights, of->lights[i]);
-        for (int c = 0; c < 3; ++c)
+        for (int c = 0; c < 3; ++c) {
             of->weights[i][c] = (float)random_between(r, 0, 2);
+        }
     }
     return sum ? add_lights(of, info->levels) : BTF_OK;
 }
@@ -107,14 +111,16 @@ static btf_result make_fold(const check_session *session, const btf_shader_optio
     btf_result result = btf_gl_upload(s->material, &options, s->log, &textures);
     options.shader = shader;
     options.get_proc_address = s->find ? s->find : options.get_proc_address;
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_gl_fold_create(s->material, &options, LIGHTS, s->log, out_fold);
-    for (uint32_t i = 0; i < LIGHTS && result == BTF_OK; ++i)
+    }
+    for (uint32_t i = 0; i < LIGHTS && result == BTF_OK; ++i) {
         result = i == 1 && of->sums[0]
                      ? btf_gl_fold_run_lights(*out_fold, textures, GPU_FIRST_UNIT, i, SUMMED, of->lights[0],
                                               of->weights[0], of->directions[i][1], s->log)
                      : btf_gl_fold_run(*out_fold, textures, GPU_FIRST_UNIT, i, of->directions[i][0],
                                        of->directions[i][1], s->log);
+    }
     btf_gl_destroy(&textures);
     return result;
 }
@@ -130,16 +136,18 @@ static void choose_case(random_state *r, check_session *session, const folding *
     f[0] = case_coordinate(r, level->width);
     f[1] = case_coordinate(r, level->height);
     memcpy(f + 2, of->directions[i & 1][0], sizeof of->directions[0][0]);
-    if (kind != BTF_FOLD_LIGHT)
+    if (kind != BTF_FOLD_LIGHT) {
         memcpy(f + 5, of->directions[i & 1][1], sizeof of->directions[0][1]);
-    else
+    } else {
         case_direction(r, &views, f + 5);
+    }
     memcpy(session->inputs + GPU_INPUTS * i, f, sizeof f);
     const btf_ref_folded sum = {BTF_REF_FOLD_BOTH, of->sums[at]};
-    if (i & 1 && sum.values)
+    if (i & 1 && sum.values) {
         btf_ref_evaluate_folded(level, &of->options, &sum, f[0], f[1], normal, f + 5, rgb);
-    else
+    } else {
         btf_ref_evaluate(level, &of->options, f[0], f[1], f + 2, f + 5, rgb);
+    }
     memcpy(session->expected + GPU_OUTPUTS * i, rgb, sizeof rgb);
     session->expected[GPU_OUTPUTS * i + 3] = 0;
 }
@@ -161,8 +169,9 @@ btf_result check_folded(const check_subject *subject, uint64_t seed, uint64_t co
         shader.fold == BTF_FOLD_BOTH && (uint64_t)info.width * info.height * SUMMED <= EVALUATIONS * count;
     btf_result result = choose_folding(&r, subject, &info, sum, &shader, seed, &of);
     const bool begun = result == BTF_OK && (result = check_begin(&altered, body, &session)) == BTF_OK;
-    if (begun)
+    if (begun) {
         result = make_fold(&session, &shader, &of, &fold);
+    }
     if (result == BTF_OK) {
         btf_gl_bind(session.gl, session.program, GPU_FIRST_UNIT, NULL, subject->log, NULL);
         btf_gl_fold_bind(fold, session.program, FOLD_UNIT, NULL);
@@ -170,14 +179,17 @@ btf_result check_folded(const check_subject *subject, uint64_t seed, uint64_t co
     const uint64_t batch = (uint64_t)GPU_SIDE * GPU_SIDE;
     for (uint64_t first = 0; first < count && result == BTF_OK; first += batch) {
         const size_t n = (size_t)(count - first < batch ? count - first : batch);
-        for (size_t i = 0; i < n; ++i)
+        for (size_t i = 0; i < n; ++i) {
             choose_case(&r, &session, &of, shader.fold, info.levels, i);
+        }
         result = check_batch(&session, "folded", first, n, 3, outcome);
     }
     btf_gl_fold_destroy(&fold);
-    if (begun)
+    if (begun) {
         check_end(&session);
-    for (int level = 0; level < BTF_MAX_LEVELS; ++level)
+    }
+    for (int level = 0; level < BTF_MAX_LEVELS; ++level) {
         free(of.sums[level]);
+    }
     return result;
 }

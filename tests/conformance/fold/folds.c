@@ -43,18 +43,21 @@ float *folds_reference(const btf_ref_material *m, const btf_ref_options *o, int 
     const size_t layer = (size_t)4 * m->width * m->height;
     const uint32_t layers = folds_layers(m, fold);
     float *values = malloc(layer * layers * sizeof *values);
-    if (!values)
+    if (!values) {
         return NULL;
+    }
     if (fold == BTF_REF_FOLD_BOTH) {
         const uint32_t half = m->height / 2; /* in two pieces, as threads do */
         btf_ref_fold_both(m, o, light, view, half, m->height - half, values + (size_t)4 * m->width * half);
         btf_ref_fold_both(m, o, light, view, 0, half, values);
         return values;
     }
-    for (uint32_t i = 0; i < layers; ++i)
-        if (fold == BTF_REF_FOLD_LIGHT)
+    for (uint32_t i = 0; i < layers; ++i) {
+        if (fold == BTF_REF_FOLD_LIGHT) {
             btf_ref_fold_light(m, o, light, i, 0, m->height, values + i * layer);
-        else
+        } else {
             btf_ref_fold_neighbour(m, o, light, view, i, 0, m->height, values + i * layer);
+        }
+    }
     return values;
 }

@@ -45,8 +45,9 @@ static uint64_t compare(const btf_material *material, const btf_ref_options *opt
         for (int i = 0; i < COUNT; ++i) {
             const float u = case_coordinate(&r, m.width), v = case_coordinate(&r, m.height);
             float rgb[3], kept[3];
-            if (fold == BTF_REF_FOLD_LIGHT)
+            if (fold == BTF_REF_FOLD_LIGHT) {
                 case_direction(&r, &views, view);
+            }
             btf_ref_evaluate(&m, options, u, v, light, view, rgb);
             btf_ref_evaluate_folded(&m, options, &folded, u, v, light, view, kept);
             different += memcmp(rgb, kept, sizeof rgb) != 0;
@@ -82,8 +83,9 @@ static uint64_t compare_texels(const btf_material *material, const btf_shader_op
         for (int i = 0; i < LIGHTS; ++i, at += words) {
             float *values = folds_reference(&m, options, (int)shader->fold, light[i], view[i]);
             assert_non_null(values);
-            for (size_t w = 0; w < words; w += 4)
+            for (size_t w = 0; w < words; w += 4) {
                 different += memcmp(at + w, values + w, 4 * sizeof *at) != 0;
+            }
             *compared += words / 4;
             free(values);
         }
@@ -101,24 +103,27 @@ static void folded_reference_has_the_same_bits(void **state) {
     for (size_t i = 0; i < count; ++i) {
         const synthetic_spec *s = &list[i].spec;
         btf_material *material = NULL;
-        if ((uint64_t)s->n_views * s->width * s->height > 40000)
+        if ((uint64_t)s->n_views * s->width * s->height > 40000) {
             continue;
+        }
         assert_int_equal(synthetic_create(s, &folds_log, &material), BTF_OK);
         for (int fold = BTF_REF_FOLD_LIGHT; fold <= BTF_REF_FOLD_NEIGHBOURS; ++fold) {
             btf_ref_options options = variant_reference_options(&list[i].shader);
             btf_ref_material m;
             reference_view(material, 0, &m);
             options.effects &= ~check_fold_left_out((btf_fold)fold);
-            if (!btf_ref_can_fold(&m, &options, fold))
+            if (!btf_ref_can_fold(&m, &options, fold)) {
                 continue;
+            }
             btf_shader_options shader = list[i].shader;
             shader.fold = (btf_fold)fold;
             shader.leave_out |= check_fold_left_out(shader.fold);
             const uint64_t different = compare(material, &options, fold, s->seed, &evaluated[fold]),
                            texels = compare_texels(material, &shader, &options, s->seed, &compared);
-            if (different || texels)
+            if (different || texels) {
                 fprintf(stderr, "%s, fold %d: %llu evaluations, %llu texels differ\n", list[i].name, fold,
                         (unsigned long long)different, (unsigned long long)texels);
+            }
             assert_true(different == 0 && texels == 0);
         }
         btf_material_close(&material);
@@ -151,8 +156,9 @@ static void sums_of_lights_are_exact(void **state) {
     assert_int_equal(btf_evaluator_create(material, &folds_log, &evaluator), BTF_OK);
     for (int i = 0; i < LIGHTS; ++i) {
         case_direction(&r, &lights, light[i]);
-        for (int c = 0; c < 3; ++c)
+        for (int c = 0; c < 3; ++c) {
             weight[i][c] = (float)random_between(&r, 0, 3);
+        }
         btf_ref_fold_both(&m, &options, light[i], view, 0, m.height, one[0]);
         btf_ref_fold_add(TEXELS, one[0], weight[i], sum[0]);
         assert_int_equal(btf_fold_rows(evaluator, &shader, light[i], view, 0, 0, 0, m.height, texels[0]),
@@ -221,8 +227,9 @@ static void undefined_folds_are_refused(void **state) {
         folds_said[0] = 0;
         assert_int_equal(btf_shader_source(material, &shader, &folds_log, &text), expected);
         assert_int_equal(btf_ref_can_fold(&m, &options, (int)cases[i].fold), expected == BTF_OK);
-        if (cases[i].reason && !strstr(folds_said, cases[i].reason))
+        if (cases[i].reason && !strstr(folds_said, cases[i].reason)) {
             fail_msg("\"%s\" does not say %s", folds_said, cases[i].reason);
+        }
         btf_free(text);
         btf_material_close(&material);
     }

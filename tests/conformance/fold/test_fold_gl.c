@@ -91,11 +91,13 @@ static void state_is_left_alone(void **state) {
     api->Scissor(1, 1, 1, 1);
     api->ColorMask(1, 0, 0, 1);
     api->Viewport(3, 4, 5, 6);
-    for (int i = 0; i < NAMES; ++i)
+    for (int i = 0; i < NAMES; ++i) {
         api->GetIntegerv(names[i], before[i]);
+    }
     assert_int_equal(btf_gl_fold_run(fold, textures, GPU_FIRST_UNIT, 1, light, NULL, &folds_log), BTF_OK);
-    for (int i = 0; i < NAMES; ++i)
+    for (int i = 0; i < NAMES; ++i) {
         api->GetIntegerv(names[i], after[i]);
+    }
     assert_memory_equal(before, after, sizeof before);
     api->Disable(GL_SCISSOR_TEST);
     api->Disable(GL_DEPTH_TEST);
@@ -138,9 +140,10 @@ static void gl_and_cpu_fold_the_same(void **state) {
         uint32_t *texels = NULL;
         options.shader = &shader;
         assert_int_equal(btf_gl_fold_create(material, &options, LIGHTS, &folds_log, &fold), BTF_OK);
-        for (uint32_t i = 0; i < LIGHTS; ++i)
+        for (uint32_t i = 0; i < LIGHTS; ++i) {
             assert_int_equal(
                 btf_gl_fold_run(fold, textures, GPU_FIRST_UNIT, i, light[i], view[i], &folds_log), BTF_OK);
+        }
         const uint32_t few = kind == BTF_FOLD_BOTH ? 0 : LIGHTS; /* no lights, or not of radiance */
         assert_int_equal(btf_gl_fold_run_lights(fold, textures, GPU_FIRST_UNIT, 0, few, light[0], light[0],
                                                 view[0], &folds_log),
@@ -177,8 +180,9 @@ static void gl_and_cpu_add_the_same(void **state) {
                        weight[LIGHTS][3] = {{0.5f, 1, 2}, {3, 0.25f, 0.125f}, {0.7f, 0, 1.3f}};
     const gl_api *api = gpu_api(device);
     btf_material *material = make(&folds_of_roots);
-    const btf_shader_options shader = {
-        .struct_size = sizeof shader, .leave_out = check_fold_left_out(BTF_FOLD_BOTH), .fold = BTF_FOLD_BOTH};
+    const btf_shader_options shader = {.struct_size = sizeof shader,
+                                       .leave_out = check_fold_left_out(BTF_FOLD_BOTH),
+                                       .fold = BTF_FOLD_BOTH};
     btf_gl_options options = gpu_gl_options(device, NULL);
     btf_gl *textures = NULL;
     btf_gl_fold *fold = NULL;
@@ -186,11 +190,13 @@ static void gl_and_cpu_add_the_same(void **state) {
     assert_int_equal(btf_gl_upload(material, &options, &folds_log, &textures), BTF_OK);
     options.shader = &shader;
     assert_int_equal(btf_gl_fold_create(material, &options, SUMS, &folds_log, &fold), BTF_OK);
-    for (uint32_t number = 0; number < SUMS; ++number)
-        assert_int_equal(btf_gl_fold_run_lights(fold, textures, GPU_FIRST_UNIT, number, LIGHTS - number, light[0],
-                                                weight[0], view[0], &folds_log),
+    for (uint32_t number = 0; number < SUMS; ++number) {
+        assert_int_equal(btf_gl_fold_run_lights(fold, textures, GPU_FIRST_UNIT, number, LIGHTS - number,
+                                                light[0], weight[0], view[0], &folds_log),
                          BTF_OK);
-    assert_int_equal(btf_material_fold(material, &shader, LIGHTS, light[0], view[0], &folds_log, &texels), BTF_OK);
+    }
+    assert_int_equal(btf_material_fold(material, &shader, LIGHTS, light[0], view[0], &folds_log, &texels),
+                     BTF_OK);
     const uint32_t *at = texels;
     for (uint32_t level = 0; level < LEVELS; ++level) {
         btf_ref_material m;
@@ -200,8 +206,9 @@ static void gl_and_cpu_add_the_same(void **state) {
         api->GetTexImage(GL_TEXTURE_2D_ARRAY, (GLint)level, GL_RGBA_INTEGER, GL_UNSIGNED_INT, drawn);
         for (uint32_t number = 0; number < SUMS; ++number) {
             memset(sum, 0, sizeof sum);
-            for (uint32_t i = 0; i < LIGHTS - number; ++i)
+            for (uint32_t i = 0; i < LIGHTS - number; ++i) {
                 btf_fold_add(words / 4, at + i * words, weight[i], sum);
+            }
             assert_memory_equal(drawn + number * words, sum, words * sizeof *sum);
         }
         at += words * LIGHTS;
@@ -260,10 +267,8 @@ static int teardown(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_calls_are_refused),
-        cmocka_unit_test(state_is_left_alone),
-        cmocka_unit_test(gl_and_cpu_fold_the_same),
-        cmocka_unit_test(gl_and_cpu_add_the_same),
+        cmocka_unit_test(wrong_calls_are_refused),  cmocka_unit_test(state_is_left_alone),
+        cmocka_unit_test(gl_and_cpu_fold_the_same), cmocka_unit_test(gl_and_cpu_add_the_same),
         cmocka_unit_test(wrong_rows_are_refused),
     };
     return cmocka_run_group_tests_name("fold-gl", tests, setup, teardown);

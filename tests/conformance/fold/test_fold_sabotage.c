@@ -226,8 +226,9 @@ static char *tampered;
 
 static const char *put_in(const char *text) {
     char *made = active ? tamper_text(text, 0, 1, active->from, active->to) : NULL;
-    if (!made)
+    if (!made) {
         return text;
+    }
     free(tampered);
     tampered = made;
     found = 1;
@@ -243,8 +244,9 @@ static void APIENTRY tamper_pass(GLuint shader, GLsizei count, const GLchar *con
                                  const GLint *length) {
     const GLchar *parts[8];
     (void)length;
-    for (GLsizei i = 0; i < count; ++i)
+    for (GLsizei i = 0; i < count; ++i) {
         parts[i] = active && active->of_pass ? put_in(text[i]) : text[i];
+    }
     gpu_api(device)->ShaderSource(shader, count, parts, NULL);
 }
 
@@ -273,8 +275,9 @@ static uint64_t differences(int subject) {
                                                           : BTF_FOLD_LIGHT);
     const btf_result result = check_folded(&s, subjects[subject].seed, COUNT, &outcome);
     btf_material_close(&material);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         fail_msg("%s: %s", active ? active->name : "untouched", folds_said);
+    }
     assert_int_equal(outcome.evaluated, COUNT);
     return outcome.different;
 }
@@ -282,8 +285,9 @@ static uint64_t differences(int subject) {
 static void untouched_passes(void **state) {
     (void)state;
     active = NULL;
-    for (int i = 0; i < SUBJECTS; ++i)
+    for (int i = 0; i < SUBJECTS; ++i) {
         assert_int_equal(differences(i), 0);
+    }
 }
 
 static void each_sabotage_is_caught(void **state) {

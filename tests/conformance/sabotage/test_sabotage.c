@@ -183,7 +183,8 @@ static const sabotage_of list_2[] = {
     {{"sums of words rounded to zero", "", "vec4(e[i] >> shift)", "vec4(e[i] / (1 << shift))"}, MIXED},
     {{"sums of units rounded to zero", "", "vec4(e[i] >> shift)", "vec4(e[i] / (1 << shift))"}, BOUNDS},
     {{"bytes without a sign", "", "uvec4(ivec4(w << uint(24 - 8 * s)) >> 24)",
-      "(w << uint(24 - 8 * s)) >> 24u"}, MIXED},
+      "(w << uint(24 - 8 * s)) >> 24u"},
+     MIXED},
     {{"texels of u swapped", "", "s < of_texel ? texel : next", "s < of_texel ? next : texel"}, MIXED},
     {{"the second texel of u not fetched", "", "layer + 1), level)", "layer), level)"}, MIXED},
     {{"one layer of u a unit", "", "ivec2(1, c == 1 || c == 3 ? 2 : 1)", "ivec2(1, 1)"}, PACKED},
@@ -216,7 +217,8 @@ static const sabotage_of list_2[] = {
     {{"factors under the cosine", "", "residual = btf_mul(residual, s.horizon);",
       "residual = btf_mul(residual, s.cosine);"},
      MIXED},
-    {{"roots clamped in each view", "", "return clamp(y, vec3(-4294967296.0),", "return clamp(y, vec3(0.0),"},
+    {{"roots clamped in each view", "", "return clamp(y, vec3(-4294967296.0),",
+      "return clamp(y, vec3(0.0),"},
      BOUNDS},
     {{"centres squared among roots", "", "#if BTF_BLEND_ROOTS\n    return y;", "#if 0\n    return y;"},
      BOUNDS},
@@ -229,7 +231,8 @@ static const sabotage_of list_2[] = {
      POINTS},
     {{"rows of a point of 5 bits", "codes", "(point >> 6u) & 63u", "(point >> 6u) & 31u"}, POINTS},
     {{"gains of a point of 3 bits", "codes", "point >> 12u", "(point >> 12u) & 7u"}, POINTS},
-    {{"points of another view", "codes", "btf_points, ivec3(x, view)", "btf_points, ivec3(x, view ^ 1u)"}, POINTS},
+    {{"points of another view", "codes", "btf_points, ivec3(x, view)", "btf_points, ivec3(x, view ^ 1u)"},
+     POINTS},
     {{"points of level 0", "codes", "btf_points, ivec3(x, view), level)", "btf_points, ivec3(x, view), 0)"},
      POINTS},
     {{"shifts of points from -31", "source", "int(code) - 32", "int(code) - 31"}, POINTS},
@@ -237,15 +240,20 @@ static const sabotage_of list_2[] = {
     {{"gains without the base", "", "btf_add(BTF_GAIN_BASE, btf_mul(float(gain), BTF_GAIN_STEP))",
       "btf_mul(float(gain), BTF_GAIN_STEP)"},
      POINTS},
-    {{"base and step of the gains swapped", "", "btf_add(BTF_GAIN_BASE, btf_mul(float(gain), BTF_GAIN_STEP))",
+    {{"base and step of the gains swapped", "",
+      "btf_add(BTF_GAIN_BASE, btf_mul(float(gain), BTF_GAIN_STEP))",
       "btf_add(BTF_GAIN_STEP, btf_mul(float(gain), BTF_GAIN_BASE))"},
      POINTS},
-    {{"gains multiplied apart", "", "btf_mul(y, btf_add(BTF_GAIN_BASE, btf_mul(float(gain), BTF_GAIN_STEP)))",
+    {{"gains multiplied apart", "",
+      "btf_mul(y, btf_add(BTF_GAIN_BASE, btf_mul(float(gain), BTF_GAIN_STEP)))",
       "btf_add(btf_mul(y, BTF_GAIN_BASE), btf_mul(y, btf_mul(float(gain), BTF_GAIN_STEP)))"},
      POINTS},
-    {{"no gain of code 0", "", "#if BTF_POINTS\n    y =", "#if BTF_POINTS\n    if (gain > 0u)\n        y ="}, POINTS},
+    {{"no gain of code 0", "",
+      "#if BTF_POINTS\n    y =", "#if BTF_POINTS\n    if (gain > 0u)\n        y ="},
+     POINTS},
     {{"indices of a view each", "codes", "ivec3(x, view >> 1u)", "ivec3(x, view)"}, LISTS},
-    {{"indices of neighbouring views swapped", "codes", "((view & 1u) << 2u)", "((~view & 1u) << 2u)"}, LISTS},
+    {{"indices of neighbouring views swapped", "codes", "((view & 1u) << 2u)", "((~view & 1u) << 2u)"},
+     LISTS},
     {{"indices of 3 bits", "codes", "<< 2u)) & 15u", "<< 2u)) & 7u"}, LISTS},
     {{"indices of level 0", "codes", "view >> 1u), level)", "view >> 1u), 0)"}, LISTS},
     {{"entries of level 0", "codes", "ivec3(x, entry), level)", "ivec3(x, entry), 0)"}, LISTS},
@@ -516,13 +524,15 @@ static const btf_log log_errors = {say_error, NULL};
 
 /* Every place that holds the words is changed. */
 static const char *tamper(char *text) {
-    if (!active)
+    if (!active) {
         return text;
+    }
     free(tampered);
     const char *begin = drawn ? strstr(text, sampling_begin) : text;
     tampered = begin ? tamper_text(text, (size_t)(begin - text), SIZE_MAX, active->from, active->to) : NULL;
-    if (!tampered)
+    if (!tampered) {
         return text;
+    }
     found = 1;
     return tampered;
 }
@@ -550,8 +560,9 @@ static void untouched_passes(void **state) {
     active = NULL;
     for (int i = 0; i < SUBJECTS; ++i) {
         assert_int_equal(differences(i, NULL), 0);
-        for (int s = 0; check_step_names[s]; ++s)
+        for (int s = 0; check_step_names[s]; ++s) {
             assert_int_equal(differences(i, check_step_names[s]), 0);
+        }
     }
 }
 
@@ -571,8 +582,9 @@ static void each_is_caught(void **state) {
         found = 0;
         drawn = first == DRAWN;
         uint64_t different = 0;
-        for (int s = first; s <= last && different == 0; ++s)
+        for (int s = first; s <= last && different == 0; ++s) {
             different = differences(s, active->step[0] ? active->step : NULL);
+        }
         missed += tamper_missed(active->name, found, different);
     }
     active = NULL;
@@ -584,16 +596,19 @@ static void each_is_caught(void **state) {
 static int setup(void **state) {
     (void)state;
     device = gpu_create_or_skip(&context_devices[0]);
-    for (int i = 0; i < SUBJECTS; ++i)
-        if (synthetic_create(&subjects[i].spec, &log_errors, &materials[i]) != BTF_OK)
+    for (int i = 0; i < SUBJECTS; ++i) {
+        if (synthetic_create(&subjects[i].spec, &log_errors, &materials[i]) != BTF_OK) {
             return -1;
+        }
+    }
     return 0;
 }
 
 static int teardown(void **state) {
     (void)state;
-    for (int i = 0; i < SUBJECTS; ++i)
+    for (int i = 0; i < SUBJECTS; ++i) {
         btf_material_close(&materials[i]);
+    }
     gpu_destroy(&device);
     return 0;
 }

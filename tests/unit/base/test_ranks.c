@@ -42,8 +42,9 @@ static void least(void *user, uint64_t *io_value) {
     const seat *s = user;
     s->in->value[s->rank] = *io_value;
     meet(s);
-    for (int r = 0; r < s->in->size; r++)
+    for (int r = 0; r < s->in->size; r++) {
         *io_value = s->in->value[r] < *io_value ? s->in->value[r] : *io_value;
+    }
     meet(s);
 }
 
@@ -51,10 +52,12 @@ static void gather(void *user, void *array, const size_t *bounds) {
     const seat *s = user;
     s->in->array[s->rank] = array;
     meet(s);
-    for (int r = 0; r < s->in->size; r++)
-        if (r != s->rank)
+    for (int r = 0; r < s->in->size; r++) {
+        if (r != s->rank) {
             memcpy((char *)array + bounds[r], (char *)s->in->array[r] + bounds[r],
                    bounds[r + 1] - bounds[r]);
+        }
+    }
     meet(s);
 }
 
@@ -79,9 +82,11 @@ static void sum(void *user, uint64_t *values, size_t count) {
     s->in->array[s->rank] = mine;
     meet(s);
     memset(values, 0, count * sizeof *values);
-    for (int r = 0; r < s->in->size; r++)
-        for (size_t i = 0; i < count; i++)
+    for (int r = 0; r < s->in->size; r++) {
+        for (size_t i = 0; i < count; i++) {
             values[i] += ((const uint64_t *)s->in->array[r])[i];
+        }
+    }
     meet(s);
     free(mine);
 }
@@ -90,8 +95,9 @@ static void broadcast(void *user, void *bytes, size_t size) {
     const seat *s = user;
     s->in->array[s->rank] = bytes;
     meet(s);
-    if (s->rank > 0)
+    if (s->rank > 0) {
         memcpy(bytes, s->in->array[0], size);
+    }
     meet(s);
 }
 
@@ -105,8 +111,9 @@ typedef struct member {
 
 static void keep_message(void *user, btf_log_level level, const char *message) {
     char *log = user;
-    if (level == BTF_LOG_ERROR)
+    if (level == BTF_LOG_ERROR) {
         snprintf(log + strlen(log), 512 - strlen(log), "%s\n", message);
+    }
 }
 
 static void *run_member(void *argument) {
@@ -134,8 +141,9 @@ static void run_ranks(int size, void (*run)(const enc_context *, void *), void *
     }
     for (int r = 0; r < size; r++) {
         pthread_join(threads[r], NULL);
-        if (logs)
+        if (logs) {
             memcpy(logs[r], members[r].log, sizeof logs[r]);
+        }
     }
     pthread_barrier_destroy(&in.barrier);
 }
@@ -193,11 +201,13 @@ static void check_transfers(const enc_context *context, void *user) {
     size_t first, end;
     memset(items, 0, sizeof items);
     enc_ranks_range(context, 11, &first, &end);
-    for (size_t i = first; i < end; i++)
+    for (size_t i = first; i < end; i++) {
         items[i][0] = (uint16_t)(100 + i);
+    }
     assert_int_equal(enc_ranks_gather(context, BTF_OK, items, sizeof items[0], 11), BTF_OK);
-    for (size_t i = 0; i < 11; i++)
+    for (size_t i = 0; i < 11; i++) {
         assert_int_equal(items[i][0], 100 + i);
+    }
 
     /* rank r hands s + 1 floats to rank s, which finds its own rank + 1 floats of each */
     float send[MOST_RANKS * MOST_RANKS], receive[MOST_RANKS * MOST_RANKS];
@@ -205,13 +215,16 @@ static void check_transfers(const enc_context *context, void *user) {
     for (size_t s = 0; s < size; s++) {
         out[s + 1] = out[s] + s + 1;
         in[s + 1] = in[s] + rank + 1;
-        for (size_t i = out[s]; i < out[s + 1]; i++)
+        for (size_t i = out[s]; i < out[s + 1]; i++) {
             send[i] = (float)(100 * rank + 10 * s + i - out[s]);
+        }
     }
     assert_int_equal(enc_ranks_exchange(context, BTF_OK, send, out, receive, in), BTF_OK);
-    for (size_t s = 0; s < size; s++)
-        for (size_t i = 0; i <= rank; i++)
+    for (size_t s = 0; s < size; s++) {
+        for (size_t i = 0; i <= rank; i++) {
             assert_true(receive[in[s] + i] == (float)(100 * s + 10 * rank + i));
+        }
+    }
 
     uint64_t sums[2] = {rank, 1};
     assert_int_equal(enc_ranks_sum(context, BTF_OK, sums, 2), BTF_OK);
@@ -254,8 +267,9 @@ static void check_notices(const enc_context *context, void *user) {
     mine.log = (btf_log){keep_all, user};
     snprintf(name, sizeof name, "%d.png", 9 - rank);
     enc_notices_add(notices, BTF_LOG_WARNING, "profile", name, "a profile");
-    if (rank == 1)
+    if (rank == 1) {
         enc_notices_add(notices, BTF_LOG_WARNING, "gamma", name, "a gamma");
+    }
     assert_int_equal(enc_notices_tell(&mine, BTF_OK, notices, "set"), BTF_OK);
     enc_notices_destroy(&notices);
 }
@@ -264,8 +278,9 @@ static void test_notices(void **state) {
     (void)state;
     char logs[3][512] = {"", "", ""};
     run_ranks(3, check_notices, (void *[]){logs[0], logs[1], logs[2]}, NULL);
-    for (int r = 0; r < 3; r++)
+    for (int r = 0; r < 3; r++) {
         assert_string_equal(logs[r], "set: 8.png: a gamma\nset: 3 images: 7.png: a profile\n");
+    }
 }
 
 /* Rank 2 fails where the others have a gather before them, and says why; all leave with its result. */
@@ -274,12 +289,14 @@ static void fail_one(const enc_context *context, void *user) {
     int values[4] = {0};
     btf_result result = BTF_OK;
     enc_ranks_begin(context);
-    if (enc_ranks_own(context) == 2)
+    if (enc_ranks_own(context) == 2) {
         result = enc_fail(context, BTF_ERROR_BAD_FILE, "image 7: bad");
-    else
+    } else {
         result = enc_ranks_gather(context, BTF_OK, values, sizeof *values, 4);
-    if (enc_ranks_own(context) != 2)
+    }
+    if (enc_ranks_own(context) != 2) {
         assert_int_equal(result, BTF_ERROR_BAD_FILE);
+    }
     assert_int_equal(enc_ranks_agree(context, result), BTF_ERROR_BAD_FILE);
     assert_int_equal(enc_ranks_agree(context, BTF_OK), BTF_ERROR_BAD_FILE); /* nobody waits for anybody */
     assert_false(enc_ranks_all(context, true));
@@ -299,11 +316,13 @@ static void test_failures(void **state) {
     void *const users[MOST_RANKS] = {NULL};
     char logs[MOST_RANKS][512];
     run_ranks(4, fail_one, users, logs);
-    for (int r = 0; r < 4; r++)
+    for (int r = 0; r < 4; r++) {
         assert_string_equal(logs[r], r == 2 ? "rank 2: image 7: bad\n" : "");
+    }
     run_ranks(3, fail_all, users, logs);
-    for (int r = 0; r < 3; r++)
+    for (int r = 0; r < 3; r++) {
         assert_string_equal(logs[r], r == 0 ? "data: not there\n" : "");
+    }
 }
 
 /* A relief's BTF without a relief: lobes that turn with the texel, shifted from view to view, and noise, so
@@ -317,7 +336,7 @@ static void fill(const enc_context *context, bool still, bool stray, enc_data *d
     for (size_t t = first; t < end; t++) {
         for (size_t v = 0; v < VIEWS; v++) {
             const size_t at = (t + (still ? 0 : 3 * v)) % (SIDE * SIDE);
-            for (size_t c = 0; c < 3; c++)
+            for (size_t c = 0; c < 3; c++) {
                 for (size_t l = 0; l < LIGHTS; l++) {
                     const float *light = data->lights[l].xyz;
                     const float tilt = 0.5f * sinf((float)(at % SIDE)) * light[0] + 0.3f * light[1];
@@ -329,6 +348,7 @@ static void fill(const enc_context *context, bool still, bool stray, enc_data *d
                             ? 65504.0f
                             : light[2] * wave * fmaxf(0.1f + tilt, 0.02f) + 0.05f * noise;
                 }
+            }
         }
         assert_int_equal(enc_data_store_texels(context, data, t, 1, texel), BTF_OK);
     }
@@ -338,8 +358,9 @@ static void fill(const enc_context *context, bool still, bool stray, enc_data *d
 static enc_data *make_data(const enc_context *context, bool still, bool stray) {
     enc_direction list[VIEWS];
     enc_data *data = NULL;
-    for (int i = 0; i < VIEWS; i++)
+    for (int i = 0; i < VIEWS; i++) {
         list[i] = enc_direction_from_angles(i ? 40.0 : 0.0, i ? 60.0 * (i - 1) : 0.0);
+    }
     assert_int_equal(enc_data_create(context, SIDE, SIDE, VIEWS, list, LIGHTS, list, &data), BTF_OK);
     fill(context, still, stray, data);
     assert_int_equal(enc_data_complete(context, data, BTF_OK), BTF_OK);
@@ -379,24 +400,29 @@ static void analyse(const enc_context *context, void *user) {
     enc_data_destroy(&data);
     size_t count;
     const enc_ranks_volume *volumes = enc_ranks_volumes(context, &count);
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         f->received += volumes[i].received;
+    }
 }
 
 static void compare(const enc_solution *a, const enc_solution *b) {
     const size_t texels = SIDE * SIDE, points = texels * VIEWS;
     assert_int_equal(a->effects, b->effects);
     assert_int_equal(!a->sbrdf, !b->sbrdf);
-    if (a->sbrdf)
+    if (a->sbrdf) {
         assert_memory_equal(a->sbrdf->values, b->sbrdf->values,
                             texels * enc_sbrdf_stride(a->sbrdf->lobes, a->sbrdf->rgb) *
                                 sizeof *a->sbrdf->values);
-    if (a->shadow)
+    }
+    if (a->shadow) {
         assert_memory_equal(a->shadow, b->shadow, texels * LIGHTS);
-    if (a->shift)
+    }
+    if (a->shift) {
         assert_memory_equal(a->shift, b->shift, 2 * points);
-    if (a->gain)
+    }
+    if (a->gain) {
         assert_memory_equal(a->gain, b->gain, points);
+    }
     assert_int_equal(a->factors.units, b->factors.units);
     if (a->factors.units > 0) {
         assert_memory_equal(a->factors.texels, b->factors.texels, 16 * texels * a->factors.layers);

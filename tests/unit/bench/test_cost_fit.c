@@ -81,11 +81,13 @@ static void none_is_below_zero(void **state) {
     cost_sample samples[SAMPLES];
     btf_cost_model found;
     make_samples(0, samples);
-    for (int i = 0; i < SAMPLES; i++)
+    for (int i = 0; i < SAMPLES; i++) {
         samples[i].ns -= 0.3 * samples[i].counts.look_ups * made.look_up +
                          0.8 * samples[i].counts.look_ups * made.look_up;
-    for (int i = 0; i < SAMPLES; i++)
+    }
+    for (int i = 0; i < SAMPLES; i++) {
         samples[i].ns = fmax(samples[i].ns, 1);
+    }
     cost_fit(samples, SAMPLES, &found);
     assert_true(found.look_up == 0 && found.integer > 0);
 }

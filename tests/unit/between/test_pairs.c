@@ -33,8 +33,9 @@ static const double angles[COUNT][4] = {{12.5, 30, 40.25, 110},  {3.14, 359.9, 7
 static void write_image(const char *name, int width, int height, float value) {
     char path[2 * PATH];
     float *pixels = malloc(3 * (size_t)(width * height) * sizeof *pixels);
-    for (int i = 0; i < 3 * width * height; i++)
+    for (int i = 0; i < 3 * width * height; i++) {
         pixels[i] = value;
+    }
     snprintf(path, sizeof path, "%s/%s", set_folder, name);
     assert_int_equal(exr_image_write(path, width, height, pixels, false, set_no_log), BTF_OK);
     free(pixels);
@@ -47,8 +48,9 @@ static const char *name_of(const double a[4]) {
 }
 
 static void write_pairs(void) {
-    for (int i = 0; i < COUNT; i++)
+    for (int i = 0; i < COUNT; i++) {
         write_image(name_of(angles[i]), W, H, 0.1f * (float)(i + 1));
+    }
 }
 
 static void expect_set(enc_image_set expected) {
@@ -77,15 +79,17 @@ static void test_a_grid_is_a_grid(void **state) {
 /* A slow orbit of the light under one view is a grid of 1 x 4, but without a view from the top no data set. */
 static void test_an_orbit_is_pairs(void **state) {
     (void)state;
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         write_image(name_of((const double[4]){30, 90 * i, 40, 0}), W, H, 0.5f);
+    }
     expect_set(ENC_SET_PAIRS);
 }
 
 static enc_pairs *open_pairs(const enc_read_options *options) {
     enc_pairs *pairs = NULL;
-    if (enc_pairs_open(&set_context, set_folder, options, &pairs) != BTF_OK)
+    if (enc_pairs_open(&set_context, set_folder, options, &pairs) != BTF_OK) {
         fail_msg("not opened: %s", set_messages);
+    }
     return pairs;
 }
 
@@ -99,17 +103,20 @@ static void test_names_and_values(void **state) {
     assert_int_equal(pairs->height, H);
     for (size_t p = 0; p < COUNT; p++) {
         int found = -1;
-        for (int i = 0; i < COUNT; i++)
+        for (int i = 0; i < COUNT; i++) {
             if (pairs->pair[p].light.theta == angles[i][0] && pairs->pair[p].light.phi == angles[i][1] &&
-                pairs->pair[p].view.theta == angles[i][2] && pairs->pair[p].view.phi == angles[i][3])
+                pairs->pair[p].view.theta == angles[i][2] && pairs->pair[p].view.phi == angles[i][3]) {
                 found = i;
+            }
+        }
         assert_true(found >= 0);
         assert_string_equal(pairs->pair[p].name, name_of(angles[found]));
         assert_true(fabs(pairs->pair[p].view.xyz[2] - cos(angles[found][2] * 3.14159265358979 / 180)) <
                     1e-6);
         assert_int_equal(enc_pairs_read(&set_context, pairs, p, image), BTF_OK);
-        for (int i = 0; i < 3 * W * H; i++)
+        for (int i = 0; i < 3 * W * H; i++) {
             assert_true(image[i] == 0.1f * (float)(found + 1));
+        }
     }
     enc_pairs_close(&pairs);
 }
@@ -128,8 +135,9 @@ static void test_options(void **state) {
     assert_true(pairs->pair[0].light.phi == 60 && pairs->pair[0].view.phi == 250);
     assert_true(pairs->width == 2 && pairs->height == 2);
     assert_int_equal(enc_pairs_read(&set_context, pairs, 0, image), BTF_OK);
-    for (int i = 0; i < 3 * 2 * 2; i++)
+    for (int i = 0; i < 3 * 2 * 2; i++) {
         assert_true(fabsf(image[i] - 0.25f) < 1e-6f);
+    }
     enc_pairs_close(&pairs);
 }
 
@@ -140,11 +148,13 @@ static void expect_refused(const enc_read_options *options, btf_result expected,
     float *image = malloc(3 * 64 * 64 * sizeof *image);
     set_messages[0] = '\0';
     btf_result result = enc_pairs_open(&set_context, set_folder, options, &pairs);
-    for (size_t p = 0; result == BTF_OK && p < pairs->count; p++)
+    for (size_t p = 0; result == BTF_OK && p < pairs->count; p++) {
         result = enc_pairs_read(&set_context, pairs, p, image);
+    }
     assert_int_equal(result, expected);
-    if (!strstr(set_messages, word) || !strstr(set_messages, other))
+    if (!strstr(set_messages, word) || !strstr(set_messages, other)) {
         fail_msg("neither '%s' nor '%s' may lack in: %s", word, other, set_messages);
+    }
     enc_pairs_close(&pairs);
     free(image);
 }
@@ -210,11 +220,13 @@ static btf_result shifted(const enc_context *context, const void *user, const en
     const enc_pairs *all = user;
     for (size_t p = 0; p < count; p++) {
         int i = 0;
-        while (angles[i][0] != pairs[p].light.theta)
+        while (angles[i][0] != pairs[p].light.theta) {
             i++;
-        for (int k = 0; k < 3 * W * H; k++)
+        }
+        for (int k = 0; k < 3 * W * H; k++) {
             out[p * 3 * W * H + (size_t)k] =
                 0.1f * (float)(i + 1) + 0.01f * (float)(&pairs[p] - all->pair + 1);
+        }
     }
     return BTF_OK;
 }
@@ -293,14 +305,15 @@ static void test_decoded_pairs(void **state) {
     enc_evaluator *evaluator = NULL;
     enc_pair pair[COUNT];
     float images[COUNT][3 * W * H];
-    for (int i = 0; i < COUNT; i++)
+    for (int i = 0; i < COUNT; i++) {
         pair[i] = (enc_pair){.light = enc_direction_from_angles(angles[i][0], angles[i][1]),
                              .view = enc_direction_from_angles(angles[i][2], angles[i][3])};
+    }
     assert_int_equal(enc_evaluator_create(&context, material, 0, &evaluator), BTF_OK);
     assert_int_equal(enc_decode_pairs(&context, evaluator, &options, pair, COUNT, images[0]), BTF_OK);
     enc_evaluator_destroy(&evaluator);
     bool bright = false;
-    for (int i = 0; i < COUNT; i++)
+    for (int i = 0; i < COUNT; i++) {
         for (uint32_t t = 0; t < W * H; t++) {
             float rgb[3];
             btf_ref_evaluate_texel(&reference, &options, t % W, t / W, pair[i].light.xyz, pair[i].view.xyz,
@@ -308,6 +321,7 @@ static void test_decoded_pairs(void **state) {
             assert_memory_equal(rgb, images[i] + 3 * t, sizeof rgb);
             bright = bright || rgb[0] > 0;
         }
+    }
     assert_true(bright);
     btf_material_close(&material);
     random_material_free(&desc);

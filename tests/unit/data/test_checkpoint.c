@@ -88,8 +88,9 @@ static void put_numbers(const char *name, int from, int count) {
 
 static bool get_numbers(const char *name, int from, int count) {
     enc_blob blob;
-    if (!enc_checkpoint_get(&context, name, &blob))
+    if (!enc_checkpoint_get(&context, name, &blob)) {
         return false;
+    }
     for (int i = 0; i < count; i++) {
         int number;
         enc_blob_take(&blob, &number, sizeof number);
@@ -169,8 +170,9 @@ static void test_damage(void **state) {
 /* A relief that a few directions see. */
 static enc_data *bricks(void) {
     enc_direction list[7] = {enc_direction_from_angles(0, 0)};
-    for (int i = 0; i < 6; i++)
+    for (int i = 0; i < 6; i++) {
         list[1 + i] = enc_direction_from_angles(45, 60 * i);
+    }
     const sample_options options = {
         .width = 12, .height = 12, .grid = 128, .views = list, .lights = list, .n_views = 7, .n_lights = 7};
     enc_data *data = NULL;
@@ -184,8 +186,9 @@ static void leave_steps(const char *const *steps, int count, int left) {
         char path[320];
         snprintf(path, sizeof path, "%s/%s.btf-step", folder, steps[i]);
         assert_int_equal(access(path, F_OK), 0);
-        if (i >= left)
+        if (i >= left) {
             remove(path);
+        }
     }
 }
 
@@ -285,11 +288,13 @@ static void test_wrong_components(void **state) {
         assert_int_equal(enc_factor_take_components(&m, 0, taken, &plan, &out), wrong == 0);
         found[0].u[3] = u;
         assert_int_equal(taken[0].rank, wrong == 0 ? 10 : 0);
-        for (int c = 0; c < ENC_FACTOR_CHANNELS; c++)
+        for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
             enc_components_clear(&taken[c]);
+        }
     }
-    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++)
+    for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
         enc_components_clear(&found[c]);
+    }
     enc_checkpoint_close(&context.checkpoint, true);
     enc_data_destroy(&data);
 }

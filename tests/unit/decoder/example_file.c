@@ -53,16 +53,20 @@ int main(int argc, char **argv) {
     const btf_log log = {say, NULL};
     btf_material *material = NULL;
     btf_ref_material reference;
-    if (argc != 2)
+    if (argc != 2) {
         return 1;
+    }
     btf_result result = make(&log, &material);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         result = btf_material_save(material, argv[1], &log);
+    }
     btf_material_close(&material);
-    if (result == BTF_OK) /* from the file, as a reader has it */
+    if (result == BTF_OK) { /* from the file, as a reader has it */
         result = btf_material_open(argv[1], &log, &material);
-    if (result)
+    }
+    if (result) {
         return btf_result_exit_code(result);
+    }
     reference_view(material, 0, &reference);
     static const float view[3] = {0, 0, 1}, light[2][3] = {{0.6f, 0, 0.8f}, {0.28f, 0, 0.96f}};
     const btf_ref_options options = {UINT32_MAX, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_TEXEL};

@@ -20,8 +20,9 @@ btf_material_desc make_desc(uint64_t seed, btf_layout layout, uint32_t effects) 
 uint16_t *make_preview(uint32_t width, uint32_t height) {
     uint16_t *preview = malloc(8 * (size_t)width * height);
     assert_non_null(preview);
-    for (size_t i = 0; i < 4 * (size_t)width * height; i++)
+    for (size_t i = 0; i < 4 * (size_t)width * height; i++) {
         preview[i] = i % 4 == 3 ? 0 : (uint16_t)(0x3000 + i);
+    }
     return preview;
 }
 
@@ -72,8 +73,9 @@ edit_file *take(const saved *s) {
 
 btf_material *accepted(edit_file *file) {
     btf_material *m;
-    if (open_edited(file, &m))
+    if (open_edited(file, &m)) {
         fail_msg("refused: %s", last_message);
+    }
     return m;
 }
 
@@ -88,18 +90,21 @@ void assert_same_material(const btf_material *a, const btf_material *b) {
     assert_int_equal(ia.levels, ib.levels);
     assert_int_equal(ia.gpu_bytes, ib.gpu_bytes);
     assert_int_equal(ia.table_bytes, ib.table_bytes);
-    for (uint32_t level = 0; level < ia.levels; level++)
+    for (uint32_t level = 0; level < ia.levels; level++) {
         for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
             const btf_texture ta = btf_material_level_texture(a, level, (btf_texture_id)id),
                               tb = btf_material_level_texture(b, level, (btf_texture_id)id);
             assert_int_equal(ta.size, tb.size);
-            if (ta.size)
+            if (ta.size) {
                 assert_memory_equal(ta.data, tb.data, ta.size);
+            }
         }
+    }
     const uint16_t *pa = btf_material_preview(a), *pb = btf_material_preview(b);
     assert_int_equal(pa != NULL, pb != NULL);
-    if (pa)
+    if (pa) {
         assert_memory_equal(pa, pb, 8 * (size_t)ia.width * ia.height);
+    }
 }
 
 void round_trip(const btf_material_desc *desc) {
@@ -107,13 +112,16 @@ void round_trip(const btf_material_desc *desc) {
     void *data, *again;
     size_t size, size_again;
     assert_int_equal(btf_material_save_memory(m, &log_keep, &data, &size), BTF_OK);
-    if (btf_material_open_memory(data, size, &log_keep, &opened))
+    if (btf_material_open_memory(data, size, &log_keep, &opened)) {
         fail_msg("%s", last_message);
+    }
     assert_same_material(m, opened);
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
-        if (desc->texture[id])
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+        if (desc->texture[id]) {
             assert_memory_equal(btf_material_texture(opened, (btf_texture_id)id).data, desc->texture[id],
                                 btf_material_texture(opened, (btf_texture_id)id).size);
+        }
+    }
     assert_int_equal(btf_material_save_memory(opened, &log_keep, &again, &size_again), BTF_OK);
     assert_int_equal(size, size_again);
     assert_memory_equal(data, again, size);

@@ -56,8 +56,9 @@ static double angle_to(const float a[3], const double b[3]) {
 /* Radiance of a light from a direction. */
 static double shines(int light, const float from[3]) {
     double at[3];
-    if (light == WHITE)
+    if (light == WHITE) {
         return 1;
+    }
     if (light == SUN_AND_SKY) {
         direction(cos(50 * PI / 180), 0.7, at);
         return 0.4 + 0.6 * (1 - (double)from[2]) + (angle_to(from, at) < 4 ? 60 : 0);
@@ -78,8 +79,9 @@ static void add_variances(float rgb[CELLS][3], const float *pdf, double sums[LIG
             squares[0] += value * value / (double)pdf[i] * cell_solid[i];
             squares[1] += value * value * PI / (double)cell_light[i][2] * cell_solid[i];
         }
-        for (int way = 0; way < 2; way++)
+        for (int way = 0; way < 2; way++) {
             sums[light][way] += squares[way] - mean * mean;
+        }
     }
 }
 
@@ -88,10 +90,12 @@ static btf_result measure(const char *path, double sums[LIGHTS][2]) {
     btf_evaluator *evaluator = NULL;
     btf_light_sampling *tables = NULL;
     btf_result result = btf_material_open(path, NULL, &material);
-    if (!result)
+    if (!result) {
         result = btf_evaluator_create(material, NULL, &evaluator);
-    if (!result)
+    }
+    if (!result) {
         result = btf_light_sampling_create(material, evaluator, NULL, &tables);
+    }
     for (int v = 0; v < VIEWS && !result; v++) {
         static float pdf[CELLS], uv[CELLS][2], rgb[CELLS][3];
         const btf_ref_sampling sampling = {tables->n_triangles, tables->triangles, tables->densities};
@@ -100,8 +104,9 @@ static btf_result measure(const char *path, double sums[LIGHTS][2]) {
         direction(cos(v * 13 * PI / 180), 2.4 * v, at);
         const float view[3] = {(float)at[0], (float)at[1], (float)at[2]};
         reference_view(material, 0, &reference);
-        for (int i = 0; i < CELLS; i++)
+        for (int i = 0; i < CELLS; i++) {
             pdf[i] = btf_ref_pdf_light(&reference, &sampling, 0, 0, view, cell_light[i]);
+        }
         for (int t = 0; t < TEXELS && !result; t++) {
             for (int i = 0; i < CELLS; i++) {
                 uv[i][0] = (float)fmod(0.5 + 0.7549 * t, 1);

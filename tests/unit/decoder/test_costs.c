@@ -106,9 +106,10 @@ static void others_are_refused(void **state) {
         btf_cost_model m = before;
         const btf_result result = parse(refused[i].text, &m);
         if (result != BTF_ERROR_BAD_FILE || message_count != 1 ||
-            !strstr(last_message, refused[i].message) || strncmp(last_message, "costs.json: ", 12) != 0)
+            !strstr(last_message, refused[i].message) || strncmp(last_message, "costs.json: ", 12) != 0) {
             fail_msg("%s: %d, \"%s\" for \"%s\"", refused[i].text, (int)result, last_message,
                      refused[i].message);
+        }
         assert_memory_equal(&m, &before, sizeof m);
         assert_int_equal(btf_cost_model_read(refused[i].text, strlen(refused[i].text), "x", NULL, &m),
                          BTF_ERROR_BAD_FILE);
@@ -136,8 +137,9 @@ static void files_are_opened(void **state) {
     assert_int_equal(btf_cost_model_open(path, &log_keep, &m), BTF_OK);
     assert_true(m.pixel == 1);
     file = fopen(path, "a");
-    for (int i = 0; i < 70000; i++)
+    for (int i = 0; i < 70000; i++) {
         fputc(' ', file);
+    }
     assert_int_equal(fclose(file), 0);
     message_count = 0;
     assert_int_equal(btf_cost_model_open(path, &log_keep, &m), BTF_ERROR_BAD_FILE);

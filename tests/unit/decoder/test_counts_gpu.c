@@ -74,8 +74,9 @@ static char *counting_text(const btf_material *material, const btf_shader_option
     btf_free(text);
     for (size_t i = 0; i < sizeof hooks / sizeof *hooks; i++) {
         char *next = tamper_text(now, 0, SIZE_MAX, hooks[i].from, hooks[i].to);
-        if (!next)
+        if (!next) {
             fail_msg("the shader has no \"%s\"", hooks[i].from);
+        }
         free(now);
         now = next;
     }
@@ -111,10 +112,12 @@ static btf_decode_counts run(const btf_material *material, const btf_shader_opti
             f[d + 1] = (float)(s * sin(phi));
             f[d + 2] = (float)z;
         }
-        if (options->fixed & BTF_FIXED_LIGHT)
+        if (options->fixed & BTF_FIXED_LIGHT) {
             memcpy(f + 2, options->fixed_light, sizeof options->fixed_light);
-        if (options->fixed & BTF_FIXED_VIEW)
+        }
+        if (options->fixed & BTF_FIXED_VIEW) {
             memcpy(f + 5, options->fixed_view, sizeof options->fixed_view);
+        }
         memcpy(inputs[i], f, sizeof f);
     }
     assert_int_equal(gpu_run(device, program, ELEMENTS, inputs[0], outputs[0], NULL), BTF_OK);
@@ -144,12 +147,14 @@ static void expect_counts(const char *name, const btf_material *material,
                             seen = run(material, options, &heights);
     const bool by_points = options->fold != BTF_FOLD_BOTH; /* that one shows no view */
     if (said.fetches != seen.fetches || said.bytes != seen.bytes || said.look_ups != seen.look_ups ||
-        said.moves != seen.moves || (by_points && said.points != seen.points))
+        said.moves != seen.moves || (by_points && said.points != seen.points)) {
         fail_msg("%s: fetches %g (seen %g), bytes %g (%g), look-ups %g (%g), moves %g (%g), points %g (%g)",
                  name, said.fetches, seen.fetches, said.bytes, seen.bytes, said.look_ups, seen.look_ups,
                  said.moves, seen.moves, said.points, seen.points);
-    if (heights > said.steps || (heights == 0) != (said.steps == 0))
+    }
+    if (heights > said.steps || (heights == 0) != (said.steps == 0)) {
         fail_msg("%s: %g steps at most, %g seen", name, said.steps, heights);
+    }
 }
 
 #define OF_ALL                                                                                             \
@@ -224,8 +229,9 @@ static void counts_are_the_shader_s(void **state) {
             char name[80];
             o.struct_size = sizeof o;
             if (btf_fold_check(&info, &o, NULL) != BTF_OK ||
-                (w > 0 && o.leave_out && !(o.leave_out & info.effects)))
+                (w > 0 && o.leave_out && !(o.leave_out & info.effects))) {
                 continue;
+            }
             if (m > 0 && w > 0) {
                 continue; /* what the other materials differ in shows in each way of theirs */
             }

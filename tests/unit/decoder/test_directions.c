@@ -55,8 +55,9 @@ static int64_t dot(vec a, vec b) {
 
 static int shift_of(int64_t a) {
     int s = 0;
-    while (a >> s >= 1 << 19)
+    while (a >> s >= 1 << 19) {
         s++;
+    }
     return s;
 }
 
@@ -68,8 +69,9 @@ static bool look_up_record(const btf_directions *d, uint32_t record, vec q, btf_
         int64_t area = cross(sub(b, a), sub(c, a));
         int64_t e0 = cross(sub(b, q), sub(c, q)), e1 = cross(sub(c, q), sub(a, q)),
                 e2 = cross(sub(a, q), sub(b, q));
-        if (e0 < 0 || e1 < 0 || e2 < 0)
+        if (e0 < 0 || e1 < 0 || e2 < 0) {
             return false;
+        }
         int s = shift_of(area);
         uint32_t w0 = (uint32_t)(((e0 >> s) << 12) / (area >> s)),
                  w1 = (uint32_t)(((e1 >> s) << 12) / (area >> s));
@@ -96,9 +98,11 @@ static bool look_up_record(const btf_directions *d, uint32_t record, vec q, btf_
 /* Over all records, without the grid. */
 static btf_ref_neighbours look_up_all(const btf_directions *d, vec q) {
     btf_ref_neighbours out = {{0, 0, 0}, {4096, 0, 0}};
-    for (uint32_t record = 0; record < d->triangle_count + d->hull_count; record++)
-        if (look_up_record(d, record, q, &out))
+    for (uint32_t record = 0; record < d->triangle_count + d->hull_count; record++) {
+        if (look_up_record(d, record, q, &out)) {
             break;
+        }
+    }
     return out;
 }
 
@@ -109,9 +113,11 @@ static btf_ref_neighbours look_up_cell(const btf_directions *d, const size_t *st
              cy = (uint32_t)(q.y < 16383 ? q.y : 16383) * g >> 14;
     const uint16_t *cell = d->cells + starts[cy * g + cx];
     btf_ref_neighbours out = {{0, 0, 0}, {4096, 0, 0}};
-    for (uint32_t i = 1; i <= cell[0]; i++)
-        if (look_up_record(d, cell[i], q, &out))
+    for (uint32_t i = 1; i <= cell[0]; i++) {
+        if (look_up_record(d, cell[i], q, &out)) {
             break;
+        }
+    }
     return out;
 }
 
@@ -164,12 +170,13 @@ static void nearest(const btf_directions *d, vec q, double out[2]) {
 /* The longest edge: what one step of a weight can move a point. */
 static double longest_edge(const btf_directions *d) {
     double longest = 0;
-    for (uint32_t t = 0; t < d->triangle_count; t++)
+    for (uint32_t t = 0; t < d->triangle_count; t++) {
         for (int k = 0; k < 3; k++) {
             vec e = sub(at(d, d->triangles[3 * t + (uint32_t)k]),
                         at(d, d->triangles[3 * t + (uint32_t)(k + 1) % 3]));
             longest = fmax(longest, sqrt((double)dot(e, e)));
         }
+    }
     for (uint32_t h = 0; h < d->hull_count; h++) {
         vec e = sub(at(d, d->hull[h]), at(d, d->hull[(h + 1) % d->hull_count]));
         longest = fmax(longest, sqrt((double)dot(e, e)));
@@ -209,8 +216,9 @@ static void check_point(const list *l, vec q) {
         assert_memory_equal(&gpu, &all, sizeof gpu);
     }
     assert_int_equal(gpu.weight[0] + gpu.weight[1] + gpu.weight[2], 4096);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         assert_true(gpu.weight[i] <= 4096 && gpu.index[i] < d->count);
+    }
     double have[2], want[2];
     weighted(d, &gpu, have);
     nearest(d, q, want);
@@ -233,8 +241,9 @@ static void check_delaunay(const btf_directions *d) {
             assert_true(in <= 0);
         }
     }
-    for (uint32_t h = 0; h < d->hull_count; h++)
+    for (uint32_t h = 0; h < d->hull_count; h++) {
         hull += cross(at(d, d->hull[h]), at(d, d->hull[(h + 1) % d->hull_count]));
+    }
     assert_int_equal(sum, hull); /* the triangles fill the hull */
 }
 
@@ -246,14 +255,17 @@ static void check_vertex(const list *l, uint32_t i) {
     assert_int_equal(q[0], d->vertices[2 * i]);
     assert_int_equal(q[1], d->vertices[2 * i + 1]);
     btf_ref_neighbours n = look_up_cell(d, l->starts, at(d, i));
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; k++) {
         assert_true(n.weight[k] == (n.index[k] == i && n.weight[k] ? 4096 : 0));
-    for (int dy = -1; dy <= 1; dy++)
+    }
+    for (int dy = -1; dy <= 1; dy++) {
         for (int dx = -1; dx <= 1; dx++) {
             vec near = {d->vertices[2 * i] + dx, d->vertices[2 * i + 1] + dy};
-            if (near.x >= 0 && near.x <= END && near.y >= 0 && near.y <= END)
+            if (near.x >= 0 && near.x <= END && near.y >= 0 && near.y <= END) {
                 check_point(l, near);
+            }
         }
+    }
 }
 
 /* Checks directions and their table, prints what they are, and finds the cells. */
@@ -276,9 +288,11 @@ static void check_plane(const list *l, uint32_t every, int step) {
         vec a = at(d, d->hull[h]), b = at(d, d->hull[(h + 1) % d->hull_count]);
         check_point(l, (vec){(a.x + b.x) / 2, (a.y + b.y) / 2});
     }
-    for (int64_t y = 0; y <= END; y += step)
-        for (int64_t x = y * 7 % step; x <= END; x += step)
+    for (int64_t y = 0; y <= END; y += step) {
+        for (int64_t x = y * 7 % step; x <= END; x += step) {
             check_point(l, (vec){x, y});
+        }
+    }
 }
 
 /* Checks a list of directions; q on a lattice of `step`, at every vertex and its neighbourhood, on edges. */
@@ -290,16 +304,19 @@ static void check_list(const char *name, uint32_t count, const float *xyz, int s
     assert_int_equal(table.format, BTF_FORMAT_RGBA16UI);
     assert_int_equal(table.width, 256);
     check_shape(name, &l, table.height);
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count; i++) {
         check_vertex(&l, i);
+    }
     check_plane(&l, 1, step);
-    for (int64_t x = 0; x <= END; x += 64) /* along the borders of the plane and of cells */
+    for (int64_t x = 0; x <= END; x += 64) { /* along the borders of the plane and of cells */
         for (int64_t border = 0; border <= END; border += 4096) {
             check_point(&l, (vec){x, border});
             check_point(&l, (vec){border, x});
-            if (border > 0)
+            if (border > 0) {
                 check_point(&l, (vec){x, border - 1});
+            }
         }
+    }
     btf_material_close(&material);
 }
 
@@ -416,13 +433,15 @@ static void test_cocircular(void **state) {
         {0.6f, 0, 0.8f}, {0, 0.6f, 0.8f}, {-0.6f, 0, 0.8f}, {0, -0.6f, 0.8f}};
     for (int first = 0; first < 4; first++) {
         float xyz[4][3];
-        for (int i = 0; i < 4; i++)
+        for (int i = 0; i < 4; i++) {
             memcpy(xyz[i], square[(i * 3 + first) % 4], sizeof xyz[i]);
+        }
         btf_material *material = with_views(4, xyz[0]);
         btf_directions d = btf_material_views(material);
         assert_int_equal(d.triangle_count, 2);
-        for (uint32_t t = 0; t < 2; t++) /* sorted, each beginning with index 0: it is on the diagonal */
+        for (uint32_t t = 0; t < 2; t++) { /* sorted, each beginning with index 0: it is on the diagonal */
             assert_int_equal(d.triangles[3 * t], 0);
+        }
         btf_material_close(&material);
         check_list("square", 4, xyz[0], 331);
     }
@@ -438,8 +457,9 @@ static void test_cocircular(void **state) {
     btf_material *material = with_views(8, octagon[0]);
     btf_directions d = btf_material_views(material);
     assert_int_equal(d.triangle_count, 6);
-    for (uint32_t t = 0; t < 6; t++)
+    for (uint32_t t = 0; t < 6; t++) {
         assert_int_equal(d.triangles[3 * t], 0); /* a fan */
+    }
     btf_material_close(&material);
     check_list("octagon", 8, octagon[0], 331);
 }
@@ -487,13 +507,14 @@ static void test_projection(void **state) {
         float xyz[256 * 3];
         random_directions(&r, 256, 90, xyz);
         material = with_views(256, xyz);
-        for (uint32_t k = 0; k < 256; k++)
+        for (uint32_t k = 0; k < 256; k++) {
             for (int c = 0; c < 2; c++) {
                 double exact =
                     (double)xyz[3 * k + (uint32_t)c] / (1 + (double)xyz[3 * k + 2]) * 8192 + 8192;
                 assert_true(fabs(btf_material_views(material).vertices[2 * k + (uint32_t)c] - exact) <=
                             0.51);
             }
+        }
         btf_material_close(&material);
     }
 }
@@ -526,8 +547,9 @@ static void test_many_of_a_kind(void **state) {
     (void)state;
     enum { COUNT = BTF_MAX_DIRECTIONS };
     static float xyz[COUNT * 3];
-    for (int i = 0; i < COUNT - 3; i++)
+    for (int i = 0; i < COUNT - 3; i++) {
         direction_at(8192 + 120 * (i % 64 - 32), 8192 + 120 * (i / 64 - 32), xyz + 3 * i);
+    }
     for (int i = 0; i < 3; i++) {
         const double phi = 0.3 + 2 * 3.14159265358979323846 * i / 3;
         direction_at(8192 + 8191 * cos(phi), 8192 + 8191 * sin(phi), xyz + 3 * (COUNT - 3 + i));
@@ -538,8 +560,9 @@ static void test_many_of_a_kind(void **state) {
         direction_at(8192 + 8000 * cos(phi), 8192 + 8000 * sin(phi), xyz + 3 * i);
     }
     check_many("a ring of 4096", COUNT, xyz, 31, 491);
-    for (int i = 0; i < COUNT; i++)
+    for (int i = 0; i < COUNT; i++) {
         direction_at(4 * (i < COUNT / 2 ? COUNT / 2 + i : COUNT - 1 - i) + 2, 8192, xyz + 3 * i);
+    }
     check_many("a line of 4096", COUNT, xyz, 31, 991);
 }
 

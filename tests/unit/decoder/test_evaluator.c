@@ -51,8 +51,9 @@ static void open_subject(const char *name, btf_material *material, subject *out)
     *out = (subject){.name = name, .material = material, .info = {.struct_size = sizeof out->info}};
     assert_int_equal(btf_material_get_info(material, &out->info), BTF_OK);
     assert_int_equal(btf_evaluator_create(material, NULL, &out->evaluator), BTF_OK);
-    for (uint32_t i = 0; i < out->info.levels; i++)
+    for (uint32_t i = 0; i < out->info.levels; i++) {
         reference_view(material, i, &out->levels[i]);
+    }
 }
 
 static void close_subject(subject *s) {
@@ -79,8 +80,9 @@ static void draw(random_state *r, const subject *s, size_t count, batch *b) {
         if (i > 0 && random_below(r, 8) > 2) {
             memcpy(b->inputs[i] + 2, b->inputs[i - 1] + 2, 6 * sizeof(float));
             b->levels[i] = random_below(r, 8) ? b->levels[i - 1] : b->levels[i];
-            if (random_below(r, 8) == 0) /* but for one number */
+            if (random_below(r, 8) == 0) { /* but for one number */
                 b->inputs[i][2 + random_below(r, 6)] *= 0.875f;
+            }
         }
     }
 }
@@ -94,20 +96,23 @@ static void decode_by_reference(const subject *s, const btf_ref_options *options
     for (size_t i = 0; i < b->count; i++) {
         const btf_ref_material *m = &s->levels[clamped_level(s, b->levels[i])];
         const float *in = b->inputs[i];
-        if (texels)
+        if (texels) {
             btf_ref_evaluate_texel(m, options, b->texels[i][0] % m->width, b->texels[i][1] % m->height,
                                    in + 2, in + 5, b->expected[i]);
-        else
+        } else {
             btf_ref_evaluate(m, options, in[0], in[1], in + 2, in + 5, b->expected[i]);
-        for (int c = 0; c < 3; c++)
+        }
+        for (int c = 0; c < 3; c++) {
             assert_true(is_finite(b->expected[i][c]));
+        }
     }
 }
 
 static void compare(const subject *s, const batch *b, const char *how) {
     for (size_t i = 0; i < b->count; i++) {
-        if (memcmp(b->rgb[i], b->expected[i], sizeof b->rgb[i]) == 0)
+        if (memcmp(b->rgb[i], b->expected[i], sizeof b->rgb[i]) == 0) {
             continue;
+        }
         const float *in = b->inputs[i];
         fail_msg("%s, %s: evaluation %zu of %zu, level %d: (%a, %a, %a), the reference (%a, %a, %a), of u, "
                  "v %a, %a, "
@@ -170,8 +175,9 @@ static void test_all_variants(void **state) {
     (void)state;
     const size_t count = variant_pairwise(1, list);
     assert_true(count > 100);
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         check_variant(&list[i], 7 * i + 1, is_long ? 8192 : 48);
+    }
     printf("%llu evaluations\n", (unsigned long long)evaluated);
 }
 
@@ -279,8 +285,9 @@ static void test_refusals(void **state) {
     const btf_evaluate_options way = {.struct_size = sizeof way};
     btf_evaluations bad[8];
     btf_evaluate_options bad_way[3] = {way, way, way};
-    for (int i = 0; i < 8; i++)
+    for (int i = 0; i < 8; i++) {
         bad[i] = good;
+    }
     bad[0].struct_size = 3;
     bad[1].uv = NULL;
     bad[2].texels = texel;
@@ -291,10 +298,12 @@ static void test_refusals(void **state) {
     bad_way[0].struct_size = 3;
     bad_way[1].interpolation = (btf_interpolation)2;
     bad_way[2].filter = (btf_filter)3;
-    for (int i = 0; i < 7; i++)
+    for (int i = 0; i < 7; i++) {
         assert_int_equal(btf_evaluate_many(s.evaluator, &way, &bad[i]), BTF_ERROR_USAGE);
-    for (int i = 0; i < 3; i++)
+    }
+    for (int i = 0; i < 3; i++) {
         assert_int_equal(btf_evaluate_many(s.evaluator, &bad_way[i], &good), BTF_ERROR_USAGE);
+    }
     assert_int_equal(btf_evaluate_many(NULL, &way, &good), BTF_ERROR_USAGE);
     assert_int_equal(btf_evaluate_many(s.evaluator, &way, NULL), BTF_ERROR_USAGE);
     assert_true(rgb[0] == 7 && rgb[1] == 7 && rgb[2] == 7);

@@ -43,12 +43,14 @@ static void test_shapes(void **state) {
     assert_shape(btf_material_texture(m, BTF_TEXTURE_FACTOR_SCALES), BTF_FORMAT_RGBA32F, 0, FACTOR_UNITS, 1,
                  1);
     assert_shape(btf_material_texture(m, BTF_TEXTURE_FACTOR_VIEWS), BTF_FORMAT_RGBA32F, 0, 3, VIEWS, 1);
-    for (int id = BTF_TEXTURE_RESIDUAL_TEXELS; id <= BTF_TEXTURE_RESIDUAL_SCALES; id++)
+    for (int id = BTF_TEXTURE_RESIDUAL_TEXELS; id <= BTF_TEXTURE_RESIDUAL_SCALES; id++) {
         assert_int_equal(btf_material_texture(m, (btf_texture_id)id).format, BTF_FORMAT_NONE);
+    }
     assert_shape(btf_material_level_texture(m, 1, BTF_TEXTURE_FACTOR_TEXELS), BTF_FORMAT_RGBA32UI, 1, 2, 2,
                  FACTOR_LAYERS);
-    for (int id = BTF_TEXTURE_FACTOR_DIRECTIONS; id <= BTF_TEXTURE_FACTOR_VIEWS; id++)
+    for (int id = BTF_TEXTURE_FACTOR_DIRECTIONS; id <= BTF_TEXTURE_FACTOR_VIEWS; id++) {
         assert_int_equal(btf_material_level_texture(m, 1, (btf_texture_id)id).format, BTF_FORMAT_NONE);
+    }
     /* a texel: four layers of halves, shifts of the views, the units */
     const size_t texel = 8 * 4 + 2 * VIEWS + 16 * FACTOR_LAYERS;
     assert_int_equal(btf_level_bytes(&info, 0),
@@ -213,7 +215,7 @@ static void test_create_scales(void **state) {
     }
     /* Those of classes 0, 1 and 3, and the first of class 4; all of class 2 are whole. */
     static const bool mixed[FACTOR_UNITS] = {1, 1, 1, 0, 0, 0, 1, 1, 0};
-    for (int unit = 0; unit < FACTOR_UNITS; unit++)
+    for (int unit = 0; unit < FACTOR_UNITS; unit++) {
         for (int word = 0; word < 4; word++) {
             const float scale = scales[4 * unit + word];
             scales[4 * unit + word] = 3.5f;
@@ -227,6 +229,7 @@ static void test_create_scales(void **state) {
             }
             scales[4 * unit + word] = scale;
         }
+    }
     views[3 + 4 * 7] = 1; /* view 2, tier 1 */
     create_refused(&desc, "factor_views: A of view 2, tier 1 is 1, not 0");
     views[3 + 4 * 7] = -0.0f;
@@ -247,10 +250,12 @@ static void test_extreme_scales(void **state) {
     btf_material_desc desc = make_desc(8, BTF_LAYOUT_TIGHT, 0);
     float *scales = factor_numbers(&desc, BTF_TEXTURE_FACTOR_SCALES),
           *views = factor_numbers(&desc, BTF_TEXTURE_FACTOR_VIEWS);
-    for (int i = 0; i < 4 * FACTOR_UNITS; i++)
+    for (int i = 0; i < 4 * FACTOR_UNITS; i++) {
         scales[i] = i / 4 % 2 ? 0x1p24f : -0x1p-24f;
-    for (int i = 0; i < 12 * VIEWS; i++)
+    }
+    for (int i = 0; i < 12 * VIEWS; i++) {
         views[i] = i % 4 == 3 ? 0 : i % 2 ? -0x1p24f : 0x1p-24f;
+    }
     btf_material *m = create_accepted(&desc);
     btf_material_close(&m);
     random_material_free(&desc);
@@ -258,12 +263,9 @@ static void test_extreme_scales(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shapes),
-        cmocka_unit_test(test_create_classes),
-        cmocka_unit_test(test_most_units),
-        cmocka_unit_test(test_create_numbers),
-        cmocka_unit_test(test_create_codes),
-        cmocka_unit_test(test_create_scales),
+        cmocka_unit_test(test_shapes),         cmocka_unit_test(test_create_classes),
+        cmocka_unit_test(test_most_units),     cmocka_unit_test(test_create_numbers),
+        cmocka_unit_test(test_create_codes),   cmocka_unit_test(test_create_scales),
         cmocka_unit_test(test_extreme_scales),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -77,8 +77,9 @@ static void test_file_parts(void **state) {
         edit_file *e = take(&factor_file);
         edit_part *part = edit_find_part(e, names[i]);
         assert_int_equal(part->channel_count, words ? 4 : 3);
-        for (int c = 0; c < part->channel_count; c++)
+        for (int c = 0; c < part->channel_count; c++) {
             assert_int_equal(part->channels[c].type, words ? EXR_PIXEL_UINT : EXR_PIXEL_HALF);
+        }
         if (words) {
             edit_remove_part(e, names[i]);
             snprintf(text, sizeof text, "part %s: missing", names[i]);
@@ -92,8 +93,9 @@ static void test_file_parts(void **state) {
         file_refused(e, text);
         for (int type = 0; type < 3; type++) {
             static const exr_pixel_type_t types[3] = {EXR_PIXEL_HALF, EXR_PIXEL_FLOAT, EXR_PIXEL_UINT};
-            if (types[type] == (words ? EXR_PIXEL_UINT : EXR_PIXEL_HALF))
+            if (types[type] == (words ? EXR_PIXEL_UINT : EXR_PIXEL_HALF)) {
                 continue;
+            }
             e = take(&factor_file);
             part = edit_find_part(e, names[i]);
             edit_remove_channel(part, "G");
@@ -192,12 +194,9 @@ static void test_preview(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_roots_without_factors),
-        cmocka_unit_test(test_file_parts),
-        cmocka_unit_test(test_file_words),
-        cmocka_unit_test(test_other_writers),
-        cmocka_unit_test(test_preview),
+        cmocka_unit_test(test_round_trip),    cmocka_unit_test(test_roots_without_factors),
+        cmocka_unit_test(test_file_parts),    cmocka_unit_test(test_file_words),
+        cmocka_unit_test(test_other_writers), cmocka_unit_test(test_preview),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

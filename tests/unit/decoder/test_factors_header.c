@@ -53,7 +53,8 @@ static void test_file_attributes(void **state) {
     file_refused(e, "attribute openbtf.residualScales is missing");
     e = take(&factor_file);
     add_floats(e, "openbtf.residualScales", FACTOR_UNITS);
-    file_refused(e, "attribute openbtf.residualScales is there, but there are no components of the residual");
+    file_refused(e,
+                 "attribute openbtf.residualScales is there, but there are no components of the residual");
     e = take(&factor_file);
     edit_find_attribute(e, "openbtf.residual")->i = 8;
     file_refused(e, "factorClasses: the classes have 9 units in all, the residual has 8");
@@ -161,8 +162,9 @@ static void test_versions(void **state) {
     edit_copy_part(e, "shadow", "preview");
     edit_resize(edit_find_part(e, "preview"), WIDTH, HEIGHT);
     edit_remove_channel(edit_find_part(e, "preview"), "Y");
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
         edit_add_channel(edit_find_part(e, "preview"), (const char[2]){"RGB"[c], 0}, EXR_PIXEL_HALF);
+    }
     m = accepted(e);
     assert_same_material(m, plain);
     void *data;

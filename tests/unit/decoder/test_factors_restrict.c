@@ -13,9 +13,11 @@
 #include <cmocka.h>
 
 static uint32_t number_of(const btf_directions *whole, const float xyz[3]) {
-    for (uint32_t i = 0; i < whole->count; i++)
-        if (memcmp(whole->xyz + 3 * (size_t)i, xyz, 3 * sizeof *xyz) == 0)
+    for (uint32_t i = 0; i < whole->count; i++) {
+        if (memcmp(whole->xyz + 3 * (size_t)i, xyz, 3 * sizeof *xyz) == 0) {
             return i;
+        }
+    }
     fail_msg("a direction that the whole material has not");
     return 0;
 }
@@ -41,9 +43,10 @@ static void assert_first_units(const btf_material *whole, const btf_material *sm
         assert_memory_equal(some_factors + 12 * (size_t)v, factors + 12 * view, 12 * sizeof *factors);
         for (uint32_t l = 0; l < less.n_lights; l++) {
             const size_t light = number_of(&lights, some_lights.xyz + 3 * (size_t)l);
-            for (size_t unit = 0; unit < less.components; unit++)
+            for (size_t unit = 0; unit < less.components; unit++) {
                 assert_memory_equal(of_small + 4 * ((unit * less.n_views + v) * less.n_lights + l),
                                     w + 4 * ((unit * info.n_views + view) * info.n_lights + light), 16);
+            }
         }
     }
     assert_memory_equal(btf_material_texture(small, BTF_TEXTURE_FACTOR_SCALES).data,
@@ -98,11 +101,13 @@ static void test_restrict(void **state) {
         assert_memory_equal(less.factor_classes, first_classes[units], sizeof less.factor_classes);
         assert_int_equal(btf_material_texture(small, BTF_TEXTURE_FACTOR_TEXELS).layers,
                          first_layers[units]);
-        if (units)
+        if (units) {
             assert_first_units(whole, small, plan.level);
+        }
         assert_int_equal(btf_material_preview(small) != NULL, plan.level == 0 && less.version == 2);
-        if (btf_material_preview(small))
+        if (btf_material_preview(small)) {
             assert_memory_equal(btf_material_preview(small), preview, 9 * 6 * 8);
+        }
         void *data; /* a material like any */
         size_t size;
         btf_material *back;

@@ -60,16 +60,18 @@ static edit_file *take(const saved *s) {
 static void accepted(edit_file *file, const saved *original) {
     btf_material *a, *b;
     btf_result result = open_edited(file, &a);
-    if (result)
+    if (result) {
         print_error("refused: %s\n", last_message);
+    }
     assert_int_equal(result, BTF_OK);
     assert_int_equal(btf_material_open_memory(original->data, original->size, NULL, &b), BTF_OK);
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
         btf_texture ta = btf_material_texture(a, (btf_texture_id)id),
                     tb = btf_material_texture(b, (btf_texture_id)id);
         assert_int_equal(ta.size, tb.size);
-        if (ta.size)
+        if (ta.size) {
             assert_memory_equal(ta.data, tb.data, ta.size);
+        }
     }
     btf_material_close(&a);
     btf_material_close(&b);
@@ -90,19 +92,22 @@ static void test_sampling(void **state) {
         at += sizeof list + 4;
         for (; *at; channels++) {
             uint8_t *sampling = at + strlen((char *)at) + 1 + 8; /* behind the pixel type and pLinear */
-            for (size_t v = 0; v < sizeof values / sizeof *values; v++)
+            for (size_t v = 0; v < sizeof values / sizeof *values; v++) {
                 for (int part = 1; part < 4; part++) {
                     btf_material *material = NULL;
-                    for (int axis = 0; axis < 2; axis++)
+                    for (int axis = 0; axis < 2; axis++) {
                         sampling[4 * axis] = part >> axis & 1 ? values[v][axis] : 1;
-                    if (sampling[0] == 1 && sampling[4] == 1)
+                    }
+                    if (sampling[0] == 1 && sampling[4] == 1) {
                         continue;
+                    }
                     last_message[0] = 0;
                     assert_int_equal(btf_material_open_memory(data, tight_file.size, &log_keep, &material),
                                      BTF_ERROR_BAD_FILE);
                     assert_null(material);
                     assert_true(last_message[0]);
                 }
+            }
             sampling[0] = sampling[4] = 1;
             at = sampling + 8;
         }
@@ -120,14 +125,16 @@ static void test_other_writers(void **state) {
     for (int f = 0; f < 2; f++) {
         for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
             edit_file *e = take(files[f]);
-            for (int p = 0; p < e->part_count; p++)
+            for (int p = 0; p < e->part_count; p++) {
                 e->parts[p].compression = good[i];
+            }
             accepted(e, files[f]);
         }
         edit_file *e = take(files[f]); /* parts in another order, rows from below */
         edit_part first = e->parts[0];
-        for (int p = 0; p + 1 < e->part_count; p++)
+        for (int p = 0; p + 1 < e->part_count; p++) {
             e->parts[p] = e->parts[p + 1];
+        }
         e->parts[e->part_count - 1] = first;
         for (int p = 0; p < e->part_count; p++) {
             e->parts[p].order = EXR_LINEORDER_DECREASING_Y;
@@ -259,7 +266,7 @@ static void test_values(void **state) {
                                       0x7E01,           0x0001,           0x5BFC /* 255.5 */};
     static const char *const channels[][2] = {
         {"shadow", "Y"}, {"shift", "G"}, {"gain", "Y"}, {"centres", "B"}};
-    for (size_t c = 0; c < sizeof channels / sizeof *channels; c++)
+    for (size_t c = 0; c < sizeof channels / sizeof *channels; c++) {
         for (size_t i = 0; i < sizeof bad_u8 / sizeof *bad_u8; i++) {
             char text[80];
             edit_file *e = take(&tight_file);
@@ -268,6 +275,7 @@ static void test_values(void **state) {
                      channels[c][1], bad_u8[i]);
             file_refused(e, text);
         }
+    }
     static const uint16_t bad_i8[] = {0xD800 /* -128 */, 0x5800 /* 128 */, 0x3800};
     for (size_t i = 0; i < sizeof bad_i8 / sizeof *bad_i8; i++) {
         edit_file *e = take(&tight_file);
@@ -390,7 +398,7 @@ static void test_attribute_values(void **state) {
     }
     static const char *const scales[] = {"radianceScale", "shadowScale", "gainScale", "centreScale"};
     static const float values[] = {0, -1, NAN, INFINITY, 0x1p-25f, 0x1p25f};
-    for (size_t i = 0; i < 4; i++)
+    for (size_t i = 0; i < 4; i++) {
         for (size_t k = 0; k < 6; k++) {
             char name[64];
             snprintf(name, sizeof name, "openbtf.%s", scales[i]);
@@ -398,6 +406,7 @@ static void test_attribute_values(void **state) {
             edit_find_attribute(e, name)->f = values[k];
             file_refused(e, scales[i]);
         }
+    }
 }
 
 /* Changes one number of a floatvector. */
@@ -459,8 +468,9 @@ static void test_directions(void **state) {
     e = take(&paper_file); /* not in order */
     edit_attribute *cells = edit_find_attribute(e, "openbtf.viewCells");
     int at = 0;
-    while (cells->values[at] < 2)
+    while (cells->values[at] < 2) {
         at += 1 + (int)cells->values[at];
+    }
     cells->values[at + 2] = cells->values[at + 1];
     file_refused(e, "are not in order");
     e = take(&paper_file);

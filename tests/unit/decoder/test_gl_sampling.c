@@ -130,8 +130,9 @@ static void test_upload(void **state) {
     }
     assert_int_equal(gpu_run(device, program, triangles + densities, in[0], out[0], &hearing), BTF_OK);
     assert_memory_equal(out, tables->triangles, 16 * triangles);
-    for (size_t i = 0; i < densities; i++)
+    for (size_t i = 0; i < densities; i++) {
         assert_memory_equal(out[triangles + i], tables->densities + i, sizeof(float));
+    }
     btf_gl_light_sampling_destroy(&s);
     assert_null(s);
     btf_gl_light_sampling_destroy(&s);
@@ -148,8 +149,9 @@ static int live;
 
 static void APIENTRY fake_get_integer(GLenum name, GLint *value) {
     api->GetIntegerv(name, value);
-    if (name == GL_MAX_TEXTURE_SIZE)
+    if (name == GL_MAX_TEXTURE_SIZE) {
         *value = most;
+    }
 }
 static void APIENTRY fake_gen_textures(GLsizei count, GLuint *names) {
     live += count;
@@ -162,12 +164,15 @@ static void APIENTRY fake_delete_textures(GLsizei count, const GLuint *names) {
 
 static btf_gl_function fake_get_proc_address(void *user, const char *name) {
     const btf_gl_options real = gpu_gl_options(user, NULL);
-    if (strcmp(name, "glGetIntegerv") == 0)
+    if (strcmp(name, "glGetIntegerv") == 0) {
         return (btf_gl_function)fake_get_integer;
-    if (strcmp(name, "glGenTextures") == 0)
+    }
+    if (strcmp(name, "glGenTextures") == 0) {
         return (btf_gl_function)fake_gen_textures;
-    if (strcmp(name, "glDeleteTextures") == 0)
+    }
+    if (strcmp(name, "glDeleteTextures") == 0) {
         return (btf_gl_function)fake_delete_textures;
+    }
     return real.get_proc_address(real.user, name);
 }
 

@@ -67,14 +67,16 @@ static void use_material(const btf_material *material) {
     reference_view(material, 0, &first);
     reference_view(material, info.levels - 1, &last);
     const btf_ref_options options = {BTF_EFFECT_ALL, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_BILINEAR};
-    for (int l = 0; l < 4; l++)
+    for (int l = 0; l < 4; l++) {
         for (int v = 0; v < 4; v++) {
             float rgb[3];
             btf_ref_evaluate((l + v) % 2 ? &last : &first, &options, 0.3f * (float)l, 0.4f * (float)v,
                              directions[l], directions[v], rgb);
-            for (int c = 0; c < 3; c++)
+            for (int c = 0; c < 3; c++) {
                 assert_true(isfinite(rgb[c]) && rgb[c] >= 0);
+            }
         }
+    }
 }
 
 /* Opens bytes that lie in a buffer of exactly their size, so that a sanitizer sees a read beyond them. */
@@ -90,8 +92,9 @@ static bool opens(const uint8_t *data, size_t size) {
     assert_true(result == BTF_OK || result == BTF_ERROR_BAD_FILE || result == BTF_ERROR_UNSUPPORTED ||
                 result == BTF_ERROR_MEMORY);
     assert_true(result == BTF_OK || message_count == 1);
-    if (material)
+    if (material) {
         use_material(material);
+    }
     btf_material_close(&material);
     return result == BTF_OK;
 }
@@ -99,11 +102,12 @@ static bool opens(const uint8_t *data, size_t size) {
 static void test_prefixes(void **state) {
     (void)state;
     for (int f = 0; f < 2; f++) {
-        for (size_t size = 0; size < files[f].size; size++)
+        for (size_t size = 0; size < files[f].size; size++) {
             if (opens(files[f].data, size)) {
                 print_error("file %d: a prefix of %zu of %zu bytes opens\n", f, size, files[f].size);
                 fail();
             }
+        }
         assert_true(opens(files[f].data, files[f].size));
     }
 }
@@ -116,14 +120,16 @@ static void test_flipped_bytes(void **state) {
         assert_non_null(copy);
         memcpy(copy, files[f].data, files[f].size);
         size_t opened = 0;
-        for (size_t m = 0; m < sizeof masks; m++)
+        for (size_t m = 0; m < sizeof masks; m++) {
             for (size_t i = 0; i < files[f].size; i++) {
-                if (light_run() && i % 3 != m)
+                if (light_run() && i % 3 != m) {
                     continue;
+                }
                 copy[i] ^= masks[m];
                 opened += opens(copy, files[f].size);
                 copy[i] ^= masks[m];
             }
+        }
         print_message("file %d: %zu of %zu flips still open\n", f, opened, files[f].size * sizeof masks);
         free(copy);
     }
@@ -168,14 +174,16 @@ static void test_extreme_integers(void **state) {
     const size_t header = files[1].size < 6000 ? files[1].size : 6000;
     uint8_t *copy = malloc(files[1].size);
     assert_non_null(copy);
-    for (size_t v = 0; v < sizeof values / sizeof *values; v++)
+    for (size_t v = 0; v < sizeof values / sizeof *values; v++) {
         for (size_t i = 0; i + 4 <= header; i++) {
-            if (light_run() && i % 5 != v)
+            if (light_run() && i % 5 != v) {
                 continue;
+            }
             memcpy(copy, files[1].data, files[1].size);
             memcpy(copy + i, &values[v], 4);
             opens(copy, files[1].size);
         }
+    }
     free(copy);
 }
 

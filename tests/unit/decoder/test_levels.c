@@ -21,9 +21,11 @@ static const btf_texture_id level_ids[5] = {BTF_TEXTURE_SBRDF, BTF_TEXTURE_SHADO
                                             BTF_TEXTURE_GAIN, BTF_TEXTURE_RESIDUAL_TEXELS};
 
 static bool has_texels(int id) {
-    for (int i = 0; i < 5; i++)
-        if ((int)level_ids[i] == id)
+    for (int i = 0; i < 5; i++) {
+        if ((int)level_ids[i] == id) {
             return true;
+        }
+    }
     return false;
 }
 
@@ -51,7 +53,7 @@ static void test_shapes(void **state) {
     static const uint32_t size[3][2] = {{5, 3}, {2, 1}, {1, 1}};
     static const uint32_t layers[5] = {4, 7, 9, 9, 2};
     static const size_t texel[5] = {16, 1, 2, 1, 4};
-    for (uint32_t level = 0; level < 3; level++)
+    for (uint32_t level = 0; level < 3; level++) {
         for (int i = 0; i < 5; i++) {
             btf_texture t = btf_material_level_shape(&info, level, level_ids[i]);
             assert_int_equal(t.width, size[level][0]);
@@ -60,6 +62,7 @@ static void test_shapes(void **state) {
             assert_int_equal(t.size, size[level][0] * size[level][1] * layers[i] * texel[i]);
             assert_true(t.is_array);
         }
+    }
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
         assert_int_equal(btf_material_level_shape(&info, 1, (btf_texture_id)id).format != BTF_FORMAT_NONE,
                          has_texels(id));
@@ -108,8 +111,9 @@ static void assert_same_level(const btf_material *a, const btf_material_desc *de
         const void *given = level ? desc->level_texture[level][id] : desc->texture[id];
         const bool table = id == BTF_TEXTURE_VIEW_TABLE || id == BTF_TEXTURE_LIGHT_TABLE;
         assert_int_equal(t.data != NULL, given != NULL || (level == 0 && table));
-        if (given)
+        if (given) {
             assert_memory_equal(t.data, given, t.size);
+        }
     }
 }
 
@@ -119,8 +123,9 @@ static void round_trip(btf_material_desc *desc) {
     size_t size, again_size, count;
     assert_int_equal(btf_material_save_memory(a, &log_keep, &data, &size), BTF_OK);
     btf_result result = btf_material_open_memory(data, size, &log_keep, &b);
-    if (result)
+    if (result) {
         print_error("open: %s\n", last_message);
+    }
     assert_int_equal(result, BTF_OK);
     btf_material_info ia = {.struct_size = sizeof ia}, ib = ia;
     btf_material_get_info(a, &ia);
@@ -133,10 +138,11 @@ static void round_trip(btf_material_desc *desc) {
     }
     const btf_level_error *errors = btf_material_level_errors(b, &count);
     assert_int_equal(count, desc->level_error_count);
-    if (count)
+    if (count) {
         assert_memory_equal(errors, desc->level_errors, count * sizeof *errors);
-    else
+    } else {
         assert_null(errors);
+    }
     assert_int_equal(btf_material_save_memory(b, &log_keep, &again, &again_size), BTF_OK);
     assert_int_equal(size, again_size);
     assert_memory_equal(data, again, size);
@@ -152,7 +158,7 @@ static void test_round_trip(void **state) {
         uint32_t width, height, levels;
     } cases[] = {{5, 3, 3}, {5, 3, 2}, {1, 1, 1}, {2, 1, 2}, {1, 13, 4}, {8, 8, 4}, {33, 6, 6}};
     random_state r = {42};
-    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++)
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         for (uint32_t effects = 0; effects <= BTF_EFFECT_VERSION_1; effects += c < 2 ? 1 : 31) {
             btf_material_desc desc =
                 random_material_desc(cases[c].width, cases[c].height, 9, 7, BTF_LAYOUT_TIGHT, effects);
@@ -170,6 +176,7 @@ static void test_round_trip(void **state) {
             round_trip(&desc);
             random_material_free(&desc);
         }
+    }
 }
 
 static void test_create_refuses(void **state) {
@@ -282,8 +289,9 @@ static void test_file_parts(void **state) {
     memcpy(edit_find_channel(e, "level2.shadow", "Y")->data, &half, 2);
     refused_as(e, BTF_ERROR_BAD_FILE, "part level2.shadow: channel Y at (0, 0) holds half 0x3800");
     e = take();
-    for (int c = 0; c < edit_find_part(e, "level1.sbrdf")->channel_count; c++)
+    for (int c = 0; c < edit_find_part(e, "level1.sbrdf")->channel_count; c++) {
         edit_find_part(e, "level1.sbrdf")->channels[c].type = EXR_PIXEL_HALF;
+    }
     refused_as(e, BTF_ERROR_BAD_FILE, "part level1.sbrdf: channel "); /* all FLOAT or all HALF */
     e = take();
     edit_copy_part(e, "level1.shadow", "x-level1.shadow");
@@ -328,9 +336,11 @@ static btf_material *alone(const btf_material_desc *desc, uint32_t level) {
     one.info.levels = 1;
     one.info.width = btf_level_size(desc->info.width, level);
     one.info.height = btf_level_size(desc->info.height, level);
-    for (int id = 0; id < BTF_TEXTURE_COUNT && level > 0; id++)
-        if (has_texels(id))
+    for (int id = 0; id < BTF_TEXTURE_COUNT && level > 0; id++) {
+        if (has_texels(id)) {
             one.texture[id] = desc->level_texture[level][id];
+        }
+    }
     return create_accepted(&one);
 }
 

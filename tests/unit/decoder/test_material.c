@@ -20,11 +20,13 @@ static void assert_same_directions(btf_directions a, btf_directions b) {
     assert_memory_equal(a.xyz, b.xyz, a.count * 3 * sizeof *a.xyz);
     assert_memory_equal(a.vertices, b.vertices, a.count * 2 * sizeof *a.vertices);
     assert_int_equal(a.triangle_count, b.triangle_count);
-    if (a.triangle_count)
+    if (a.triangle_count) {
         assert_memory_equal(a.triangles, b.triangles, a.triangle_count * 3);
+    }
     assert_int_equal(a.hull_count, b.hull_count);
-    if (a.hull_count)
+    if (a.hull_count) {
         assert_memory_equal(a.hull, b.hull, a.hull_count);
+    }
     assert_int_equal(a.grid, b.grid);
     assert_int_equal(a.cells_length, b.cells_length);
     assert_memory_equal(a.cells, b.cells, a.cells_length * sizeof *a.cells);
@@ -48,20 +50,22 @@ static void assert_same_material(const btf_material *a, const btf_material *b) {
         assert_int_equal(ta.layers, tb.layers);
         assert_int_equal(ta.is_array, tb.is_array);
         assert_int_equal(ta.size, tb.size);
-        if (ta.size)
+        if (ta.size) {
             assert_memory_equal(ta.data, tb.data, ta.size);
-        else
+        } else {
             assert_null(ta.data);
+        }
     }
     assert_same_directions(btf_material_views(a), btf_material_views(b));
     assert_same_directions(btf_material_lights(a), btf_material_lights(b));
     size_t na, nb;
     const btf_material_error *ea = btf_material_errors(a, &na), *eb = btf_material_errors(b, &nb);
     assert_int_equal(na, nb);
-    if (na)
+    if (na) {
         assert_memory_equal(ea, eb, na * sizeof *ea);
-    else
+    } else {
         assert_null(ea);
+    }
 }
 
 /* Creates, saves to memory, opens, compares, with what was given too. */
@@ -72,14 +76,16 @@ static void round_trip(random_state *r, btf_material_desc *desc) {
     size_t size, again_size;
     assert_int_equal(btf_material_save_memory(a, &log_keep, &data, &size), BTF_OK);
     btf_result result = btf_material_open_memory(data, size, &log_keep, &b);
-    if (result)
+    if (result) {
         print_error("open: %s\n", last_message);
+    }
     assert_int_equal(result, BTF_OK);
     assert_same_material(a, b);
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
         btf_texture t = btf_material_texture(b, (btf_texture_id)id);
-        if (desc->texture[id])
+        if (desc->texture[id]) {
             assert_memory_equal(t.data, desc->texture[id], t.size);
+        }
     }
     assert_memory_equal(btf_material_views(b).xyz, desc->views, desc->info.n_views * 3 * sizeof(float));
     assert_memory_equal(btf_material_lights(b).xyz, desc->lights, desc->info.n_lights * 3 * sizeof(float));
@@ -96,21 +102,22 @@ static void round_trip(random_state *r, btf_material_desc *desc) {
 static void test_round_trip_effects(void **state) {
     (void)state;
     random_state r = {1};
-    for (int layout = 0; layout < 2; layout++)
+    for (int layout = 0; layout < 2; layout++) {
         for (uint32_t effects = 0; effects <= BTF_EFFECT_VERSION_1; effects++) {
             btf_material_desc desc = random_material_desc(5, 3, 9, 4, (btf_layout)layout, effects);
             desc.info.domain = (btf_domain)(effects & 1);
             round_trip(&r, &desc);
             random_material_free(&desc);
         }
+    }
 }
 
 static void test_round_trip_models(void **state) {
     (void)state;
     random_state r = {2};
-    for (int layout = 0; layout < 2; layout++)
-        for (int half = 0; half < 2; half++)
-            for (int colour = 0; colour < 3; colour++)
+    for (int layout = 0; layout < 2; layout++) {
+        for (int half = 0; half < 2; half++) {
+            for (int colour = 0; colour < 3; colour++) {
                 for (uint32_t lobes = 1; lobes <= BTF_MAX_LOBES; lobes++) {
                     btf_material_desc desc =
                         random_material_desc(3, 7, 1 + lobes, 11, (btf_layout)layout, BTF_EFFECT_VERSION_1);
@@ -121,6 +128,9 @@ static void test_round_trip_models(void **state) {
                     round_trip(&r, &desc);
                     random_material_free(&desc);
                 }
+            }
+        }
+    }
 }
 
 static void test_round_trip_extremes(void **state) {
@@ -130,7 +140,7 @@ static void test_round_trip_extremes(void **state) {
                                          {1, 9, 2, 256, 4097, 4},   {17, 1, 3, 2, 4096, 5},
                                          {64, 64, 81, 81, 1984, 8}, {31, 65, 81, 17, 300, 33}};
     random_state r = {3};
-    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++)
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         for (int layout = 0; layout < 2; layout++) {
             const uint32_t *s = shapes[i];
             btf_material_desc desc =
@@ -140,6 +150,7 @@ static void test_round_trip_extremes(void **state) {
             round_trip(&r, &desc);
             random_material_free(&desc);
         }
+    }
 }
 
 static void test_provenance(void **state) {
@@ -164,8 +175,9 @@ static void test_provenance(void **state) {
 static void test_path(void **state) {
     (void)state;
     char folder[] = "/tmp/openbtf-test-XXXXXX", path[64], link[64], missing[80];
-    if (!mkdtemp(folder))
+    if (!mkdtemp(folder)) {
         fail();
+    }
     snprintf(path, sizeof path, "%s/a.btf.exr", folder);
     snprintf(link, sizeof link, "%s/link", folder);
     snprintf(missing, sizeof missing, "%s/none/a.btf.exr", folder);
@@ -251,8 +263,9 @@ static void test_atlas_numbers(void **state) {
     assert_int_equal(x, 1023);
 
     size_t gpu = 0;
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++)
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
         gpu += btf_material_texture_shape(&info, (btf_texture_id)id).size;
+    }
     assert_int_equal(gpu, 64 * 64 * 64 + 4 * 1024 * 512); /* 64 W H + 4 AW AH = 2.36 MB */
 
     info.width = info.height = 4096;
@@ -290,13 +303,16 @@ static void test_atlas_asked(void **state) {
 static long count_room(const btf_material_info *info, uint32_t width, uint32_t height) {
     uint32_t tiles = info->n_views > info->n_lights ? info->n_views : info->n_lights,
              columns = width / info->width;
-    if (columns == 0 || (tiles + columns - 1) / columns * info->height > height)
+    if (columns == 0 || (tiles + columns - 1) / columns * info->height > height) {
         return -1;
+    }
     uint32_t y0 = tiles / columns * info->height, used = tiles % columns * info->width;
     long room = 0;
-    for (uint32_t y = y0; y + info->n_lights <= height; y += info->n_lights)
-        for (uint32_t x = 0; x < width; x++)
+    for (uint32_t y = y0; y + info->n_lights <= height; y += info->n_lights) {
+        for (uint32_t x = 0; x < width; x++) {
             room += !(x < used && y < y0 + info->height);
+        }
+    }
     return room;
 }
 
@@ -314,23 +330,27 @@ static void test_atlas_disjoint(void **state) {
         assert_int_equal(btf_material_atlas(&info, &info.atlas_width, &info.atlas_height, &room), BTF_OK);
         assert_true(room >= s[2]);
         assert_int_equal(room, count_room(&info, info.atlas_width, info.atlas_height));
-        for (uint32_t w = 1; w <= 16384; w *= 2)
+        for (uint32_t w = 1; w <= 16384; w *= 2) {
             for (uint32_t h = 1; h <= w; h *= 2) {
                 uint64_t own = (uint64_t)info.atlas_width * info.atlas_height, other = (uint64_t)w * h;
-                if (other < own || (other == own && w < info.atlas_width))
+                if (other < own || (other == own && w < info.atlas_width)) {
                     assert_true(count_room(&info, w, h) < (long)s[2]);
+                }
             }
+        }
         size_t area = (size_t)info.atlas_width * info.atlas_height;
         uint8_t *taken = calloc(1, area);
         assert_non_null(taken);
         uint32_t columns = info.atlas_width / s[0];
-        for (uint32_t t = 0; t < tiles; t++)
-            for (uint32_t y = 0; y < s[1]; y++)
+        for (uint32_t t = 0; t < tiles; t++) {
+            for (uint32_t y = 0; y < s[1]; y++) {
                 for (uint32_t x = 0; x < s[0]; x++) {
                     size_t at =
                         (size_t)(t / columns * s[1] + y) * info.atlas_width + t % columns * s[0] + x;
                     assert_true(at < area && !taken[at]++);
                 }
+            }
+        }
         for (uint32_t c = 0; c < room; c++) {
             uint32_t x, y;
             btf_material_atlas_centre(&info, c, &x, &y);
@@ -515,7 +535,8 @@ static void test_create_refuses_maps(void **state) {
     assert_int_equal(d.info.atlas_width,
                      16); /* 4 columns: tile 4 stands at (0, 4), centres from row 4 on */
     const size_t row = 4 * 16;
-    refused_u8(&d, BTF_TEXTURE_MAPS, 4 * 12 + 1, 3, "maps: texel (12, 0) holds 3; it has no meaning"); /* no view 3 */
+    refused_u8(&d, BTF_TEXTURE_MAPS, 4 * 12 + 1, 3,
+               "maps: texel (12, 0) holds 3; it has no meaning"); /* no view 3 */
     refused_u8(&d, BTF_TEXTURE_MAPS, 4 * row + 4 * 9 + 3, 2,
                "maps: texel (9, 4) holds"); /* alpha of a centre */
     size_t last = (size_t)d.info.atlas_width * d.info.atlas_height * 4 - 4;

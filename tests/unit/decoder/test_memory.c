@@ -46,8 +46,9 @@ static bool fails(void) {
 }
 
 static void *counted(void *pointer) {
-    if (watching && pointer)
+    if (watching && pointer) {
         outstanding++;
+    }
     return pointer;
 }
 
@@ -60,15 +61,17 @@ void *calloc(size_t count, size_t size) {
 }
 
 void *realloc(void *pointer, size_t size) {
-    if (fails())
+    if (fails()) {
         return NULL;
+    }
     void *moved = __libc_realloc(pointer, size);
     return pointer ? moved : counted(moved);
 }
 
 void free(void *pointer) {
-    if (watching && pointer)
+    if (watching && pointer) {
         outstanding--;
+    }
     __libc_free(pointer);
 }
 
@@ -139,8 +142,9 @@ static uint64_t given;
 
 static void note(const void *data, size_t size) {
     given = 14695981039346656037u;
-    for (size_t i = 0; i < size; i++)
+    for (size_t i = 0; i < size; i++) {
         given = (given ^ ((const unsigned char *)data)[i]) * 1099511628211u;
+    }
 }
 
 /* The end of a call that makes a material: closes it. */
@@ -198,8 +202,9 @@ static btf_result do_save(const fixture *f) {
     void *data;
     size_t size;
     btf_result result = btf_material_save_memory(f->material, &log_keep, &data, &size);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         note(data, size);
+    }
     btf_free(data);
     return result;
 }
@@ -226,8 +231,9 @@ static btf_result do_save_file(const fixture *f) {
 static btf_result do_shader(const fixture *f) {
     char *text;
     btf_result result = btf_shader_source(f->material, NULL, &log_keep, &text);
-    if (result == BTF_OK)
+    if (result == BTF_OK) {
         note(text, strlen(text));
+    }
     btf_free(text);
     return result;
 }
@@ -254,16 +260,18 @@ static uint32_t gl_get_error(void) {
     return error;
 }
 static void gl_gen_textures(int32_t count, uint32_t *names) {
-    for (int32_t i = 0; i < count; i++)
+    for (int32_t i = 0; i < count; i++) {
         names[i] = (uint32_t)(++textures);
+    }
 }
 static void gl_delete_textures(int32_t count, const uint32_t *names) {
     (void)names;
     textures -= count;
 }
 static void gl_image(void) {
-    if (images_left-- == 0)
+    if (images_left-- == 0) {
         gl_error = GL_OUT_OF_MEMORY;
+    }
 }
 
 static btf_gl_function find_function(void *user, const char *name) {
@@ -280,9 +288,11 @@ static btf_gl_function find_function(void *user, const char *name) {
         {"glTexImage2D", gl_image},
         {"glTexImage3D", gl_image},
     };
-    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
-        if (!strcmp(table[i].name, name))
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        if (!strcmp(table[i].name, name)) {
             return table[i].function;
+        }
+    }
     return gl_nothing;
 }
 
@@ -309,13 +319,15 @@ static void every_failure(const char *name, btf_result (*call)(const fixture *f)
             watch(n);
             btf_result result = call(&f);
             watching = false;
-            if (outstanding < 0 || outstanding > spared)
+            if (outstanding < 0 || outstanding > spared) {
                 print_error("%s: %lld blocks are left when allocation %lld fails\n", name, outstanding, n);
+            }
             assert_in_range(outstanding, 0, spared);
-            if (result == BTF_OK) /* OpenEXR does without some */
+            if (result == BTF_OK) { /* OpenEXR does without some */
                 assert_true(given == wanted);
-            else
+            } else {
                 assert_int_equal(message_count, 1);
+            }
             if (until_failure >= 0) { /* none failed */
                 assert_int_equal(result, BTF_OK);
                 break;

@@ -191,8 +191,9 @@ static unsigned number_after(const char *text, const char *name, int skip) {
     for (int i = 0; i <= skip; i++) {
         at += strcspn(at, " (,");
         at += strspn(at, " (,");
-        if (strncmp(at, "uvec3(", 6) == 0)
+        if (strncmp(at, "uvec3(", 6) == 0) {
             at += 6;
+        }
     }
     return (unsigned)strtoul(at, NULL, 10);
 }
@@ -215,12 +216,13 @@ static void fixed_neighbours_are_the_reference_s(void **state) {
         btf_ref_neighbours n = btf_ref_lookup(m.light_table, m.light_grid, q);
         n = i & 1 ? btf_ref_nearest(n) : n;
         unsigned count = 0;
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; k++) {
             if (n.weight[k] > 0) {
                 assert_int_equal(number_after(text, "BTF_FIXED_LIGHT_INDEX", (int)count), n.index[k]);
                 assert_int_equal(number_after(text, "BTF_FIXED_LIGHT_WEIGHT", (int)count), n.weight[k]);
                 count++;
             }
+        }
         assert_int_equal(number_after(text, "BTF_FIXED_LIGHT", 0), count);
         btf_free(text);
     }
@@ -382,8 +384,8 @@ static void costs_follow_the_model(void **state) {
     random_ubo2003((float(*)[3])(uintptr_t)desc.views);
     desc.info.components = 56;
     btf_material *material = make(&desc, &r);
-    for (uint32_t more = 0; more < 32; more++)
-        for (uint32_t less = 0; less < 32; less++)
+    for (uint32_t more = 0; more < 32; more++) {
+        for (uint32_t less = 0; less < 32; less++) {
             for (int way = 0; way < 8 && (more & less) == less; way++) {
                 const btf_shader_options a = {.struct_size = sizeof a,
                                               .leave_out = all & ~more,
@@ -397,6 +399,8 @@ static void costs_follow_the_model(void **state) {
                 b.components = 40;
                 assert_true(btf_plan_cost(material, &b, NULL) <= btf_plan_cost(material, &a, NULL));
             }
+        }
+    }
     const btf_scene still = {.struct_size = sizeof still, .view = {.fixed = 1, .direction = {0, 0, 1}}};
     btf_shader_options o = {.struct_size = sizeof o, .leave_out = all & ~(uint32_t)BTF_EFFECT_RESIDUAL};
     btf_shader_options folded = o;
@@ -473,8 +477,9 @@ static void wrong_scenes_are_refused(void **state) {
     btf_material *material = make(&desc, &r), *small = (btf_material *)&desc;
     const btf_scene good = {.struct_size = sizeof good};
     btf_scene wrong[8];
-    for (int i = 0; i < 8; i++)
+    for (int i = 0; i < 8; i++) {
         wrong[i] = good;
+    }
     wrong[0].view.theta[1] = 91;
     wrong[1].light.theta[0] = 3; /* above theta[1] */
     wrong[2].view.phi[0] = NAN;
@@ -484,8 +489,9 @@ static void wrong_scenes_are_refused(void **state) {
     wrong[6].pixels = INFINITY;
     wrong[7].view.phi[1] = 400;
     btf_plan plan;
-    for (int i = 0; i < 8; i++)
+    for (int i = 0; i < 8; i++) {
         assert_int_equal(btf_plan_effects(material, &wrong[i], 0.5f, &plan), BTF_ERROR_USAGE);
+    }
     assert_int_equal(btf_plan_effects(material, &good, -1, &plan), BTF_ERROR_USAGE);
     assert_int_equal(btf_plan_effects(material, &good, NAN, &plan), BTF_ERROR_USAGE);
     assert_int_equal(btf_plan_effects(material, NULL, 0, &plan), BTF_OK);

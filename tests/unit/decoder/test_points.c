@@ -98,14 +98,16 @@ static void test_create_lists(void **state) {
     (void)state;
     for (uint32_t level = 0; level < 2; level++) {
         btf_material_desc desc = make_stored(2, 0, 2, 9);
-        const void *data =
-            level ? desc.level_texture[1][BTF_TEXTURE_POINT_INDICES] : desc.texture[BTF_TEXTURE_POINT_INDICES];
+        const void *data = level ? desc.level_texture[1][BTF_TEXTURE_POINT_INDICES]
+                                 : desc.texture[BTF_TEXTURE_POINT_INDICES];
         uint8_t *indices = (uint8_t *)(uintptr_t)data;
-        const size_t w = WIDTH >> level, texels = w * (HEIGHT >> level), at = 3 * texels + w + 2, last = 9 * texels + w;
+        const size_t w = WIDTH >> level, texels = w * (HEIGHT >> level), at = 3 * texels + w + 2,
+                     last = 9 * texels + w;
         const uint8_t kept = indices[at];
         char text[100];
         for (unsigned odd = 0; odd < 2; odd++) {
-            const int fine = odd ? (kept & 0x0F) | 0x80 : (kept & 0xF0) | 8, wrong = odd ? kept | 0xF0 : kept | 0x0F;
+            const int fine = odd ? (kept & 0x0F) | 0x80 : (kept & 0xF0) | 8,
+                      wrong = odd ? kept | 0xF0 : kept | 0x0F;
             indices[at] = (uint8_t)fine;
             btf_material *m = create_accepted(&desc);
             btf_material_close(&m);
@@ -116,7 +118,8 @@ static void test_create_lists(void **state) {
         }
         indices[at] = kept;
         indices[last] |= 0x30;
-        snprintf(text, sizeof text, "%spoint_indices: texel (0, 1): the high bits of the last layer hold 3, not 0",
+        snprintf(text, sizeof text,
+                 "%spoint_indices: texel (0, 1): the high bits of the last layer hold 3, not 0",
                  level ? "level1." : "");
         create_refused(&desc, text);
         random_material_free(&desc);
@@ -187,14 +190,16 @@ static void assert_same(const btf_material *a, const btf_material *b) {
     assert_int_equal(x.point_entries, y.point_entries);
     assert_true(x.gain_base == y.gain_base && x.gain_step == y.gain_step);
     assert_int_equal(x.gpu_bytes, y.gpu_bytes);
-    for (uint32_t level = 0; level < x.levels; level++)
+    for (uint32_t level = 0; level < x.levels; level++) {
         for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
             const btf_texture s = btf_material_level_texture(a, level, (btf_texture_id)id),
                               t = btf_material_level_texture(b, level, (btf_texture_id)id);
             assert_int_equal(s.size, t.size);
-            if (s.size)
+            if (s.size) {
                 assert_memory_equal(s.data, t.data, s.size);
+            }
         }
+    }
 }
 
 static btf_material *through_a_file(const btf_material *m) {
@@ -202,8 +207,9 @@ static btf_material *through_a_file(const btf_material *m) {
     size_t size;
     btf_material *opened;
     assert_int_equal(btf_material_save_memory(m, NULL, &data, &size), BTF_OK);
-    if (btf_material_open_memory(data, size, &log_keep, &opened))
+    if (btf_material_open_memory(data, size, &log_keep, &opened)) {
         fail_msg("%s", last_message);
+    }
     btf_free(data);
     return opened;
 }
@@ -226,7 +232,8 @@ static void test_round_trip(void **state) {
 static void test_list_round_trip(void **state) {
     (void)state;
     for (uint32_t entries = 1; entries <= BTF_MAX_POINT_ENTRIES; entries++) {
-        btf_material_desc desc = make_stored(40 + entries, entries & 1 ? BTF_EFFECT_RESIDUAL : 0, 1 + entries % 3, entries);
+        btf_material_desc desc =
+            make_stored(40 + entries, entries & 1 ? BTF_EFFECT_RESIDUAL : 0, 1 + entries % 3, entries);
         btf_material *m = create_accepted(&desc), *opened = through_a_file(m);
         assert_same(m, opened);
         assert_memory_equal(btf_material_texture(opened, BTF_TEXTURE_POINT_INDICES).data,
@@ -314,7 +321,8 @@ static void set_indices(edit_file *file, uint32_t layer, uint32_t column, uint32
 
 static void test_file_of_lists(void **state) {
     (void)state;
-    static const char *const names[] = {"point_lists", "point_indices", "level1.point_lists", "level1.point_indices"};
+    static const char *const names[] = {"point_lists", "point_indices", "level1.point_lists",
+                                        "level1.point_indices"};
     for (int i = 0; i < 4; i++) {
         char text[64];
         edit_file *e = take_lists();
@@ -375,8 +383,9 @@ static void test_file_gains(void **state) {
         e = take();
         edit_find_attribute(e, names[i])->f = -0.0f;
         btf_material *m;
-        if (open_edited(e, &m))
+        if (open_edited(e, &m)) {
             fail_msg("%s", last_message);
+        }
         const btf_material_info info = accepted_info(m);
         assert_false(signbit(i ? info.gain_step : info.gain_base));
         btf_material_close(&m);
@@ -401,9 +410,11 @@ static void test_separate(void **state) {
         assert_string_not_equal(e->attributes[a].name, "openbtf.gainBase");
     }
     edit_attribute *store = &e->attributes[e->attribute_count++];
-    *store = (edit_attribute){.name = "openbtf.pointStore", .type = EXR_ATTR_STRING, .text = strdup("separate")};
-    if (open_edited(e, &opened))
+    *store =
+        (edit_attribute){.name = "openbtf.pointStore", .type = EXR_ATTR_STRING, .text = strdup("separate")};
+    if (open_edited(e, &opened)) {
         fail_msg("%s", last_message);
+    }
     assert_same(m, opened);
     btf_free(data);
     btf_material_close(&m);
@@ -449,8 +460,9 @@ static void test_restrict(void **state) {
         if (round % 4 == 2) {
             const btf_texture points = btf_material_texture(small, BTF_TEXTURE_POINTS);
             const uint8_t *bytes = points.data;
-            for (size_t i = 0; i < points.size; i += 2)
+            for (size_t i = 0; i < points.size; i += 2) {
                 assert_int_equal((bytes[i] + 256 * bytes[i + 1]) % 4096, 32 * 65);
+            }
         }
         btf_material_close(&back);
         btf_material_close(&small);
@@ -465,7 +477,9 @@ static void test_restrict(void **state) {
 static void assert_decoded_whole(random_state *r, const btf_material *whole, const btf_material *small,
                                  const btf_plan *plan) {
     const btf_directions views = btf_material_views(whole), lights = btf_material_lights(whole);
-    btf_ref_options by_plan = {.effects = plan->effects, .components = plan->components, .interpolation = BTF_REF_LINEAR},
+    btf_ref_options by_plan = {.effects = plan->effects,
+                               .components = plan->components,
+                               .interpolation = BTF_REF_LINEAR},
                     all = by_plan;
     all.effects = BTF_EFFECT_ALL;
     btf_ref_material a, b;
@@ -490,26 +504,32 @@ static void test_restrict_lists(void **state) {
     int lit = 0, all_lit = 0, lists = 0, dense = 0;
     for (int round = 0; round < 48; round++) {
         const uint32_t effects = kept[round % 4] | BTF_EFFECT_RESIDUAL;
-        btf_material_desc desc = make_stored(120 + (uint64_t)round, BTF_EFFECT_RESIDUAL, 3, round & 4 ? 3 : 14);
+        btf_material_desc desc =
+            make_stored(120 + (uint64_t)round, BTF_EFFECT_RESIDUAL, 3, round & 4 ? 3 : 14);
         btf_material *whole = create_accepted(&desc), *small;
-        btf_plan plan = {.struct_size = sizeof plan,
-                         .scene = {.struct_size = sizeof plan.scene, .view.theta = {0, round & 8 ? 90 : 35}},
-                         .effects = effects,
-                         .components = 5,
-                         .level = random_below(&r, 3),
-                         .shader = {.struct_size = sizeof plan.shader,
-                                    .leave_out = desc.info.effects & ~effects,
-                                    .components = 5}};
+        btf_plan plan = {
+            .struct_size = sizeof plan,
+            .scene = {.struct_size = sizeof plan.scene, .view.theta = {0, round & 8 ? 90 : 35}},
+            .effects = effects,
+            .components = 5,
+            .level = random_below(&r, 3),
+            .shader = {.struct_size = sizeof plan.shader,
+                       .leave_out = desc.info.effects & ~effects,
+                       .components = 5}};
         assert_int_equal(btf_material_restrict(whole, &plan, &log_keep, &small), BTF_OK);
         const btf_material_info info = accepted_info(small);
-        const uint32_t entries = desc.info.point_entries, n = info.n_views, gain = effects & BTF_EFFECT_GAIN;
+        const uint32_t entries = desc.info.point_entries, n = info.n_views,
+                       gain = effects & BTF_EFFECT_GAIN;
         const bool stays = effects & BOTH && 2 * entries + (n + 1) / 2 < 2 * n;
         assert_int_equal(info.point_store, stays  ? BTF_POINTS_LISTS
                                            : gain ? BTF_POINTS_PACKED
                                                   : BTF_POINTS_SEPARATE);
         assert_int_equal(info.point_entries, stays ? entries : 0);
         assert_int_equal(info.effects, stays || gain ? effects | BOTH : effects);
-        assert_true(info.gain_base == (gain ? 0.3f : stays ? 1 : 0) && info.gain_step == (gain ? 0.11f : 0));
+        assert_true(info.gain_base == (gain    ? 0.3f
+                                       : stays ? 1
+                                               : 0) &&
+                    info.gain_step == (gain ? 0.11f : 0));
         assert_int_equal(accepted_texture(small, BTF_TEXTURE_SHIFT),
                          !stays && !gain && effects & BTF_EFFECT_SHIFT);
         lists += stays;
@@ -537,8 +557,9 @@ static void test_plan(void **state) {
         const bool lists = k % 2;
         btf_material_desc desc = make_stored(9, BTF_EFFECT_RESIDUAL, 1, lists ? 4 : 0);
         const uint32_t effects = kept[i] | BTF_EFFECT_RESIDUAL;
-        float table[] = {1, 1, 0, 75, 0, 75, (float)desc.info.effects, 5, 0, 0, 1000, 0.01f, 0.02f,
-                         (float)effects, 5, 0, 0, 900, 0.01f, 0.02f};
+        float table[] = {1, 1, 0, 75,   0,     75,    (float)desc.info.effects,
+                         5, 0, 0, 1000, 0.01f, 0.02f, (float)effects,
+                         5, 0, 0, 900,  0.01f, 0.02f};
         desc.effect_errors = table;
         desc.effect_error_count = sizeof table / sizeof *table;
         btf_material *m = create_accepted(&desc), *small;
@@ -547,8 +568,8 @@ static void test_plan(void **state) {
         /* One of the two alone is as many bytes and fetches as both. */
         assert_int_equal(plan.effects, i < 3 ? desc.info.effects : effects);
         const uint32_t of_lists = 1u << BTF_TEXTURE_POINT_LISTS | 1u << BTF_TEXTURE_POINT_INDICES;
-        const uint32_t points = plan.textures & (of_lists | 1u << BTF_TEXTURE_POINTS | 1u << BTF_TEXTURE_SHIFT |
-                                                 1u << BTF_TEXTURE_GAIN);
+        const uint32_t points = plan.textures & (of_lists | 1u << BTF_TEXTURE_POINTS |
+                                                 1u << BTF_TEXTURE_SHIFT | 1u << BTF_TEXTURE_GAIN);
         assert_int_equal(points, i == 3 ? 0 : lists ? of_lists : 1u << BTF_TEXTURE_POINTS);
         assert_int_equal(btf_material_restrict(m, &plan, NULL, &small), BTF_OK);
         assert_int_equal(accepted_info(small).gpu_bytes, plan.gpu_bytes);
@@ -568,8 +589,10 @@ static void test_plan(void **state) {
         apart.texture[BTF_TEXTURE_GAIN] = gain;
         btf_material *separate = create_accepted(&apart);
         /* three neighbouring views, one fetch less and a byte; lists have two again, of one byte and two */
-        const btf_decode_counts two = btf_plan_counts(separate, &options, NULL), one = btf_plan_counts(m, &options, NULL);
-        assert_true(two.fetches - one.fetches == (lists ? 0 : 3) && two.bytes - one.bytes == (lists ? 0 : 3));
+        const btf_decode_counts two = btf_plan_counts(separate, &options, NULL),
+                                one = btf_plan_counts(m, &options, NULL);
+        assert_true(two.fetches - one.fetches == (lists ? 0 : 3) &&
+                    two.bytes - one.bytes == (lists ? 0 : 3));
         free(shift);
         free(gain);
         btf_material_close(&separate);
@@ -632,11 +655,14 @@ static void test_shader_of_lists(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shapes),     cmocka_unit_test(test_create),   cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_file),       cmocka_unit_test(test_file_gains), cmocka_unit_test(test_separate),
-        cmocka_unit_test(test_restrict),   cmocka_unit_test(test_plan),     cmocka_unit_test(test_shader),
-        cmocka_unit_test(test_list_shapes), cmocka_unit_test(test_create_lists), cmocka_unit_test(test_list_round_trip),
-        cmocka_unit_test(test_file_of_lists), cmocka_unit_test(test_restrict_lists), cmocka_unit_test(test_shader_of_lists),
+        cmocka_unit_test(test_shapes),          cmocka_unit_test(test_create),
+        cmocka_unit_test(test_round_trip),      cmocka_unit_test(test_file),
+        cmocka_unit_test(test_file_gains),      cmocka_unit_test(test_separate),
+        cmocka_unit_test(test_restrict),        cmocka_unit_test(test_plan),
+        cmocka_unit_test(test_shader),          cmocka_unit_test(test_list_shapes),
+        cmocka_unit_test(test_create_lists),    cmocka_unit_test(test_list_round_trip),
+        cmocka_unit_test(test_file_of_lists),   cmocka_unit_test(test_restrict_lists),
+        cmocka_unit_test(test_shader_of_lists),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

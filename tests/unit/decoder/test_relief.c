@@ -98,9 +98,10 @@ static void test_either(void **state) {
                                           : BTF_EFFECT_RELIEF | (i == 4 ? BTF_EFFECT_GLOSS : 0u);
         btf_material_desc desc = make_desc(2, effects, 2);
         const uint8_t *acts = desc.relief_views;
-        if (i == 2)
+        if (i == 2) {
             desc.relief_views = NULL; /* all */
-        if (i == 3) {                 /* one height everywhere */
+        }
+        if (i == 3) { /* one height everywhere */
             desc.info.relief_step = 0;
             desc.info.relief_steps = 1;
             free((void *)(uintptr_t)desc.texture[BTF_TEXTURE_HEIGHTS]);
@@ -112,8 +113,9 @@ static void test_either(void **state) {
         assert_int_equal(accepted_texture(m, BTF_TEXTURE_HEIGHTS), i == 2 || i == 4);
         assert_int_equal(accepted_texture(m, BTF_TEXTURE_VIEW_VECTORS), i > 0);
         const float *numbers = btf_material_texture(m, BTF_TEXTURE_VIEW_VECTORS).data;
-        for (size_t v = 0; v < VIEWS && i > 0; v++)
+        for (size_t v = 0; v < VIEWS && i > 0; v++) {
             assert_true(numbers[4 * v + 3] == (i == 1 ? 0 : i == 2 ? 1 : v != 2));
+        }
         btf_material_close(&m);
         desc.relief_views = acts;
         random_material_free(&desc);
@@ -254,14 +256,16 @@ static void assert_same(const btf_material *a, const btf_material *b) {
     assert_int_equal(x.gloss_share, y.gloss_share);
     assert_int_equal(x.gpu_bytes, y.gpu_bytes);
     assert_int_equal(x.table_bytes, y.table_bytes);
-    for (uint32_t level = 0; level < x.levels; level++)
+    for (uint32_t level = 0; level < x.levels; level++) {
         for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
             const btf_texture s = btf_material_level_texture(a, level, (btf_texture_id)id),
                               t = btf_material_level_texture(b, level, (btf_texture_id)id);
             assert_int_equal(s.size, t.size);
-            if (s.size)
+            if (s.size) {
                 assert_memory_equal(s.data, t.data, s.size);
+            }
         }
+    }
 }
 
 /* A material that was written is read, and written again byte for byte. */
@@ -270,8 +274,9 @@ static btf_material *through_a_file(const btf_material *m) {
     size_t size, again_size;
     btf_material *opened;
     assert_int_equal(btf_material_save_memory(m, NULL, &data, &size), BTF_OK);
-    if (btf_material_open_memory(data, size, &log_keep, &opened))
+    if (btf_material_open_memory(data, size, &log_keep, &opened)) {
         fail_msg("%s", last_message);
+    }
     assert_int_equal(btf_material_save_memory(opened, NULL, &again, &again_size), BTF_OK);
     assert_int_equal(size, again_size);
     assert_memory_equal(data, again, size);
@@ -299,8 +304,9 @@ static void test_round_trip(void **state) {
         btf_material *m = create_accepted(&desc), *opened = through_a_file(m), *tight;
         assert_same(m, opened);
         assert_int_equal(btf_material_to_tight(m, NULL, &tight), BTF_OK);
-        if (!(effects & BTF_EFFECT_HIDDEN)) /* of whose centres those stay that are shown */
+        if (!(effects & BTF_EFFECT_HIDDEN)) { /* of whose centres those stay that are shown */
             assert_same(m, tight);
+        }
         btf_material_close(&tight);
         btf_material_close(&m);
         btf_material_close(&opened);
@@ -334,8 +340,9 @@ static edit_file *take(void) {
 
 static void accepted(edit_file *file) {
     btf_material *m;
-    if (open_edited(file, &m))
+    if (open_edited(file, &m)) {
         fail_msg("%s", last_message);
+    }
     btf_material_close(&m);
 }
 
@@ -419,9 +426,9 @@ static void test_file_attributes(void **state) {
             edit_remove_part(e, "heights");
             edit_remove_part(e, "level1.heights");
         }
-        if (i == 3)
+        if (i == 3) {
             file_refused(e, "attribute openbtf.reliefViews is there, but there are no views of relief");
-        else {
+        } else {
             snprintf(text, sizeof text, "attribute %s without the effect %s", name,
                      i < 3 ? "relief" : "gloss");
             file_refused(e, text);
@@ -467,10 +474,11 @@ static void test_file_views(void **state) {
         edit_attribute *added = &e->attributes[e->attribute_count++];
         *added =
             (edit_attribute){.name = "openbtf.reliefLevel", .type = EXR_ATTR_INT, .i = levels[i].level};
-        if (levels[i].text)
+        if (levels[i].text) {
             file_refused(e, levels[i].text);
-        else
+        } else {
             accepted(e);
+        }
     }
 }
 
@@ -505,8 +513,9 @@ static void assert_restricted(const btf_material *whole, const btf_material *sma
     assert_int_equal(accepted_texture(small, BTF_TEXTURE_VIEW_VECTORS), relief || gloss);
     const btf_texture in = btf_material_level_texture(whole, plan->level, BTF_TEXTURE_HEIGHTS),
                       out = btf_material_texture(small, BTF_TEXTURE_HEIGHTS);
-    if (out.size)
+    if (out.size) {
         assert_memory_equal(in.data, out.data, out.size);
+    }
 }
 
 /* Any plan's restriction decodes to the same bits as the whole, through a file and restricted once more
@@ -539,8 +548,9 @@ static void test_restrict(void **state) {
         btf_plan plan;
         assert_int_equal(btf_plan_effects(whole, &scene, 0.5f, &plan), BTF_OK);
         assert_int_equal(plan.lights == info.n_lights || !(plan.effects & BTF_EFFECT_GLOSS), 1);
-        if (random_below(&r, 2))
+        if (random_below(&r, 2)) {
             plan.effects = info.effects & (BTF_EFFECT_RELIEF * random_below(&r, 4) | random_below(&r, 32));
+        }
         plan.components = plan.effects & BTF_EFFECT_RESIDUAL ? 1 + random_below(&r, info.components) : 0;
         plan.shader.leave_out = info.effects & ~plan.effects;
         plan.shader.components = plan.components;
@@ -561,8 +571,9 @@ static void test_restrict(void **state) {
         btf_material_close(&again);
         btf_material_close(&back);
         btf_material_close(&small);
-        if (round % PLANS == PLANS - 1)
+        if (round % PLANS == PLANS - 1) {
             btf_material_close(&whole);
+        }
     }
     print_message("%d of %d samples lit, %d with fewer views, %d of a coarser level\n", all_lit,
                   MATERIALS * PLANS * SAMPLES, fewer, coarser);
@@ -601,7 +612,8 @@ static void test_cost(void **state) {
     assert_true(btf_plan_cost(more, &all, NULL) > cost);
     const btf_shader_options *const ways[] = {&nearest, &all, &lit};
     for (int i = 0; i < 3; i++) {
-        assert_true(btf_plan_counts(more, ways[i], NULL).steps - btf_plan_counts(m, ways[i], NULL).steps == (i ? 4 : 1));
+        assert_true(btf_plan_counts(more, ways[i], NULL).steps - btf_plan_counts(m, ways[i], NULL).steps ==
+                    (i ? 4 : 1));
         assert_true(btf_plan_counts(m, ways[i], NULL).moves == (i ? 4 : 2));
     }
     btf_material_close(&more);
@@ -627,11 +639,12 @@ static void test_plan(void **state) {
     for (int i = 0; i < 5; i++) {
         const bool sample = i == 1;
         scene.view.fixed = i > 0;
-        if (sample)
+        if (sample) {
             memcpy(scene.view.direction, desc.views + 3 * 9, sizeof scene.view.direction);
-        else if (i > 1)
+        } else if (i > 1) {
             plan_angles(i == 2 ? 50 : 88, i == 3 ? 0 : 7,
                         scene.view.direction); /* 88, 0: a sample's, but beyond */
+        }
         btf_plan plan;
         assert_int_equal(btf_plan_effects(m, &scene, 0.5f, &plan), BTF_OK);
         assert_true(plan.measured);

@@ -80,16 +80,19 @@ static void test_file(void **state) {
         void *data = save(m, &size);
         edit_file *e = edit_load(data, size);
         int32_t written = 0;
-        for (int i = 0; i < e->attribute_count; i++)
-            if (strcmp(e->attributes[i].name, "openbtf.reliefEnd") == 0)
+        for (int i = 0; i < e->attribute_count; i++) {
+            if (strcmp(e->attributes[i].name, "openbtf.reliefEnd") == 0) {
                 written = e->attributes[i].i;
+            }
+        }
         assert_int_equal(written, end < LEVELS ? end : 0);
         edit_free(e);
         assert_int_equal(btf_material_open_memory(data, size, &log_keep, &opened), BTF_OK);
         assert_int_equal(accepted_info(opened).relief_end, end);
-        for (uint32_t level = 0; level < LEVELS; level++) /* so that mip chains are whole */
+        for (uint32_t level = 0; level < LEVELS; level++) { /* so that mip chains are whole */
             assert_int_equal(btf_material_level_texture(opened, level, BTF_TEXTURE_HEIGHTS).size,
                              (WIDTH >> level) * (HEIGHT >> level));
+        }
         btf_free(data);
         btf_material_close(&opened);
         btf_material_close(&m);
@@ -191,8 +194,8 @@ static void test_restrict(void **state) {
     (void)state;
     random_state r = {3};
     int all_lit = 0;
-    for (uint32_t end = 1; end <= LEVELS; end++)
-        for (uint32_t level = 0; level < LEVELS; level++)
+    for (uint32_t end = 1; end <= LEVELS; end++) {
+        for (uint32_t level = 0; level < LEVELS; level++) {
             for (int gloss = 0; gloss < 2; gloss++) {
                 btf_material *whole = make(gloss ? BOTH : RELIEF, end), *small;
                 btf_plan plan = plan_of_level(whole, level);
@@ -215,6 +218,8 @@ static void test_restrict(void **state) {
                 btf_material_close(&small);
                 btf_material_close(&whole);
             }
+        }
+    }
     assert_true(all_lit > 18 * 60 / 4);
 }
 
@@ -260,11 +265,12 @@ static void test_shader(void **state) {
         assert_int_equal(btf_shader_source(m, &options, &log_keep, &text), BTF_OK);
         const char *found = strstr(text, "#define BTF_RELIEF_END");
         assert_int_equal(found != NULL, end < LEVELS);
-        if (found)
+        if (found) {
             assert_int_equal(
                 strncmp(found, end == 1 ? "#define BTF_RELIEF_END (1)\n" : "#define BTF_RELIEF_END (2)\n",
                         27),
                 0);
+        }
         btf_free(text);
         btf_material_close(&m);
     }

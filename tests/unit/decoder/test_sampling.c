@@ -80,13 +80,14 @@ static double integrate(const subject *s, const float view[3], double expected[B
     double total = 0;
     const int n = BINS * FINE;
     memset(expected, 0, BINS * sizeof *expected);
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++) {
             float light[3];
             const double solid = plane_cell(i, j, n, light), p = solid * (double)pdf(s, view, light);
             expected[i / FINE][j / FINE] += p;
             total += p;
         }
+    }
     return total;
 }
 
@@ -120,18 +121,21 @@ static void check_density(const subject *s, const float view[3], uint64_t seed) 
         bin_of(light, &a, &b);
         seen[a][b]++;
     }
-    for (int a = 0; a < BINS; a++)
+    for (int a = 0; a < BINS; a++) {
         for (int b = 0; b < BINS; b++) {
             const double mean = expected[a][b] * SAMPLES;
-            if (mean < 5)
+            if (mean < 5) {
                 continue;
+            }
             chi += (seen[a][b] - mean) * (seen[a][b] - mean) / mean;
             degrees++;
         }
+    }
     /* Wilson and Hilferty, 1931: of 144 bins, 4 sigma is one in 30000. */
     const double z = (cbrt(chi / degrees) - (1 - 2.0 / (9 * degrees))) / sqrt(2.0 / (9 * degrees));
-    if (!(z < 4))
+    if (!(z < 4)) {
         fail_msg("chi-square %.1f of %d degrees: %.1f sigma", chi, degrees, z);
+    }
 }
 
 /* Reflected radiance under a white sky: the mean of radiance over density, against quadrature. */
@@ -140,13 +144,14 @@ static void check_estimate(const subject *s, const float view[3], uint64_t seed)
     const btf_ref_options everything = {BTF_EFFECT_ALL, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_TEXEL};
     double truth = 0, sum = 0, squares = 0;
     float rgb[3];
-    for (int i = 0; i < SIDE; i++)
+    for (int i = 0; i < SIDE; i++) {
         for (int j = 0; j < SIDE; j++) {
             float light[3];
             const double solid = plane_cell(i, j, SIDE, light);
             btf_ref_evaluate(&s->reference, &everything, 0.5f, 0.5f, light, view, rgb);
             truth += solid * (double)rgb[1];
         }
+    }
     random_state r = {seed};
     for (int i = 0; i < SAMPLES; i++) {
         float light[3], p;
@@ -158,8 +163,9 @@ static void check_estimate(const subject *s, const float view[3], uint64_t seed)
         squares += (double)rgb[1] / (double)p * ((double)rgb[1] / (double)p);
     }
     const double mean = sum / SAMPLES, sigma = sqrt(fmax(squares / SAMPLES - mean * mean, 0) / SAMPLES);
-    if (!(fabs(mean - truth) <= 3 * sigma + 1e-4 * truth))
+    if (!(fabs(mean - truth) <= 3 * sigma + 1e-4 * truth)) {
         fail_msg("estimate %g, by quadrature %g, sigma %g", mean, truth, sigma);
+    }
 }
 
 static const float views[][3] = {{0, 0, 1}, {0.6f, 0, 0.8f}, {-0.3f, 0.8660254f, 0.4f}};
@@ -169,8 +175,9 @@ static void test_density(void **state) {
     subject s;
     (void)state;
     open_subject(&spec, &s);
-    for (size_t i = 0; i < sizeof views / sizeof *views; i++)
+    for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
         check_density(&s, views[i], 3 + i);
+    }
     close_subject(&s);
 }
 
@@ -179,8 +186,9 @@ static void test_estimate(void **state) {
     subject s;
     (void)state;
     open_subject(&spec, &s);
-    for (size_t i = 0; i < sizeof views / sizeof *views; i++)
+    for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
         check_estimate(&s, views[i], 5 + i);
+    }
     close_subject(&s);
 }
 
@@ -194,10 +202,12 @@ static void test_few_lights(void **state) {
         spec.directions = SYNTHETIC_COLLINEAR;
         open_subject(&spec, &s);
         const float light[3] = {0.48f, 0.36f, 0.8f};
-        if (n < 3)
+        if (n < 3) {
             assert_int_equal(s.tables->triangles[0], 0);
-        if (btf_material_lights(s.material).triangle_count == 0)
+        }
+        if (btf_material_lights(s.material).triangle_count == 0) {
             assert_true(fabs((double)pdf(&s, views[1], light) - 0.8 / PI) < 1e-7);
+        }
         check_density(&s, views[1], n);
         close_subject(&s);
     }
@@ -214,8 +224,9 @@ static void test_black(void **state) {
     uint32_t *triangles =
         calloc(4 * (size_t)s.tables->n_triangles * (s.tables->n_views + 1), sizeof *triangles);
     assert_true(densities && triangles);
-    for (size_t v = 1; v <= s.tables->n_views; v++)
+    for (size_t v = 1; v <= s.tables->n_views; v++) {
         densities[v * (s.tables->n_lights + 1) - 1] = 1.0f;
+    }
     s.sampling.densities = densities;
     s.sampling.triangles = triangles;
     check_density(&s, views[2], 9);

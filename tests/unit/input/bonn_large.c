@@ -26,11 +26,12 @@ static void make_directions(void) {
     } rings[] = {{0, 0, 1},   {11, 15, 6},     {23.5, 0, 12}, {30, 15, 12},    {37.5, 0, 12},
                  {45, 0, 18}, {52.5, 7.5, 18}, {60, 0, 24},   {67.5, 7.5, 24}, {75, 0, 24}};
     int n = 0;
-    for (size_t r = 0; r < sizeof rings / sizeof rings[0]; r++)
+    for (size_t r = 0; r < sizeof rings / sizeof rings[0]; r++) {
         for (int i = 0; i < rings[r].count; i++, n++) {
             directions[n][0] = rings[r].theta;
             directions[n][1] = rings[r].offset + 360.0 * i / rings[r].count;
         }
+    }
 }
 
 /* A value of -0.5 .. 0.5 for each texel of each component. */
@@ -46,8 +47,9 @@ static double rough(int x, int y, int channel, unsigned k) {
  * them. */
 static double of_direction(int view, int light, int channel, unsigned k) {
     const double *v = directions[view], *l = directions[light];
-    if (k == 0)
+    if (k == 0) {
         return channel == 0 ? log(0.05 + 0.6 * cos(l[0] * M_PI / 180)) : 0.05 * channel;
+    }
     return cos(0.013 * k * (v[0] + 0.3 * l[0]) + 0.01 * k * (v[1] - l[1]) + channel) / (1.0 + k);
 }
 static double of_texel(int x, int y, int channel, int view, unsigned k) {
@@ -72,13 +74,16 @@ static double largest_difference(const enc_context *context, const enc_data *dat
         const size_t texel = r % (SIDE * SIDE);
         const int v = (int)(r >> 7) % DIRECTIONS, l = (int)(r >> 15) % DIRECTIONS;
         const float *samples;
-        if (enc_data_texels(context, data, texel, 1, buffer, &samples) != BTF_OK)
+        if (enc_data_texels(context, data, texel, 1, buffer, &samples) != BTF_OK) {
             return INFINITY;
+        }
         double c[3] = {0};
-        for (int channel = 0; channel < 3; channel++)
-            for (unsigned k = 0; k < K; k++)
+        for (int channel = 0; channel < 3; channel++) {
+            for (unsigned k = 0; k < K; k++) {
                 c[channel] += of_direction(v, l, channel, k) *
                               of_texel((int)texel % SIDE, (int)texel / SIDE, channel, 0, k);
+            }
+        }
         const double y = exp(c[0]) - 1e-5, red = y + 1.13983 * c[2] * (y + 1e-5);
         largest =
             fmax(largest, fabs(fmax(red, 0) - (double)samples[(size_t)v * 3 * DIRECTIONS + (size_t)l]));
@@ -94,22 +99,25 @@ int main(int argc, char **argv) {
     enc_data *data = NULL;
     make_directions();
     const int fd = argc > 1 ? -1 : mkstemp(name);
-    if (argc < 2 && (fd < 0 || close(fd) != 0))
+    if (argc < 2 && (fd < 0 || close(fd) != 0)) {
         return perror(name), 1;
+    }
     bonn_spec spec = bonn_half_dfmf(SIDE, DIRECTIONS, (const double(*)[2])directions, K);
     spec.direction = of_direction;
     spec.texel = of_texel;
     double begin = progress_clock();
-    if (!bonn_write(path, &spec))
+    if (!bonn_write(path, &spec)) {
         return perror(path), 1;
+    }
     printf("written in %.1f s\n", progress_clock() - begin);
     begin = progress_clock();
     btf_result result = enc_read(&context, path, &options, &data);
     printf("opened in %.2f s\n", progress_clock() - begin);
     const size_t stride = (size_t)3 * DIRECTIONS * DIRECTIONS;
     float *buffer = malloc(TILE * stride * sizeof *buffer);
-    if (result != BTF_OK || !buffer)
+    if (result != BTF_OK || !buffer) {
         return 1;
+    }
     const double core = progress_core_clock();
     for (size_t row = 0; row < TILE && result == BTF_OK; row++) {
         const float *samples;
@@ -122,7 +130,8 @@ int main(int argc, char **argv) {
     printf("largest difference of 200 samples: %.2g\n", difference);
     free(buffer);
     enc_data_destroy(&data);
-    if (argc < 2)
+    if (argc < 2) {
         remove(path);
+    }
     return result == BTF_OK && difference < 6e-3 ? 0 : 1;
 }

@@ -108,9 +108,10 @@ static void coded(const bonn_spec *s, int v, int l, int x, int y, unsigned most,
             out[c] = there ? sample(v, l, c, x, y) : 0.0;
             continue;
         }
-        for (unsigned i = 0; i < k && i < most; i++)
+        for (unsigned i = 0; i < k && i < most; i++) {
             out[c] += direction(v, l, on_left && s->swapped ? 0 : c, i) *
                       texel(x, y, on_left && !s->swapped ? 0 : c, pvf ? v : 0, i);
+        }
     }
 }
 
@@ -118,8 +119,9 @@ static enc_data *read_spec(const bonn_spec *s, const enc_read_options *options) 
     enc_data *data = NULL;
     assert_true(bonn_write(path, s));
     const btf_result result = enc_read(&context, path, options, &data);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         fail_msg("%s: result %d: %s", s->signature, (int)result, messages);
+    }
     return data;
 }
 
@@ -138,15 +140,17 @@ static void check_all(const bonn_spec *s, const enc_data *data, unsigned most, v
             for (int l = 0; l < LIGHTS; l++) {
                 double expected[3];
                 coded(s, view_order[v], light_order[l], t % W, t / W, most, expected);
-                if (decode)
+                if (decode) {
                     decode(expected);
+                }
                 for (int c = 0; c < 3; c++) {
                     const double want = fmax(
                         expected[c] * (s->cosine ? 1.0 : cos(lights[light_order[l]][0] * M_PI / 180)), 0);
                     const double got = (double)samples[(v * 3 + c) * LIGHTS + l];
-                    if (fabs(got - want) > 2e-6 * (1.0 + fabs(want)))
+                    if (fabs(got - want) > 2e-6 * (1.0 + fabs(want))) {
                         fail_msg("%s: view %d light %d channel %d texel %d: %.9g, expected %.9g",
                                  s->signature, v, l, c, t, got, want);
+                    }
                     assert_true(samples[(v * 3 + c) * LIGHTS + l] == view[(l * W * H + t) * 3 + c]);
                 }
             }
@@ -210,8 +214,9 @@ static void test_fmf(void **state) {
 }
 
 static void undo_logarithm(double v[3]) {
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
         v[c] = exp(v[c]) - 1e-5;
+    }
 }
 
 static void test_fmf_logarithm(void **state) {
@@ -240,8 +245,9 @@ static void test_pvf(void **state) {
 static void test_bdi(void **state) {
     (void)state;
     unsigned char mask[W * H];
-    for (int i = 0; i < W * H; i++)
+    for (int i = 0; i < W * H; i++) {
         mask[i] = i % 4 != 2;
+    }
     for (unsigned compression = 0; compression < 3; compression++) {
         for (unsigned lines = 1; lines <= 7; lines += 3) {
             bonn_spec s = spec_of(BONN_BDI, "!BDIF06R2!");
@@ -279,11 +285,13 @@ static void test_colour_models(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         float s[3] = {cases[i].in[0], cases[i].in[1], cases[i].in[2]};
         enc_bonn_colour(cases[i].model, mean, matrix, 1, 1, s);
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             if (fabsf(s[c] - cases[i].out[c]) >
-                2e-4f * (1.0f + fabsf(cases[i].out[c])) * (cases[i].model == 2 ? 5 : 1))
+                2e-4f * (1.0f + fabsf(cases[i].out[c])) * (cases[i].model == 2 ? 5 : 1)) {
                 fail_msg("model %d channel %d: %.7g, expected %.7g", cases[i].model, c, (double)s[c],
                          (double)cases[i].out[c]);
+            }
+        }
     }
 }
 
@@ -331,14 +339,17 @@ static void test_by_hand(void **state) {
     write_whole_file(path, bytes, n);
     const enc_read_options options = {0};
     enc_data *data = NULL;
-    if (enc_read(&context, path, &options, &data) != BTF_OK)
+    if (enc_read(&context, path, &options, &data) != BTF_OK) {
         fail_msg("%s", messages);
+    }
     /* -0.6934 is -0.693359375 as a half: exp gives 0.499894 */
     static const float expected[2][3] = {{1.569905f, 0.709695f, 0.99999f},
                                          {0.499884f, 0.450564f, 0.753850f}};
-    for (int l = 0; l < 2; l++)
-        for (int c = 0; c < 3; c++)
+    for (int l = 0; l < 2; l++) {
+        for (int c = 0; c < 3; c++) {
             assert_float_equal(data->samples[c * 2 + l], expected[l][c], 2e-5);
+        }
+    }
     assert_float_equal(data->lights[1].theta, 30.0, 1e-9);
     assert_float_equal(data->lights[1].phi, 90.0, 1e-9);
     enc_data_destroy(&data);
@@ -358,11 +369,13 @@ static void test_parts(void **state) {
         float *buffer = malloc(12 * stride * sizeof *buffer);
         const float *samples;
         assert_int_equal(enc_data_texels(&context, part, 0, 12, buffer, &samples), BTF_OK);
-        for (size_t y = 0; y < 3; y++)
-            for (size_t x = 0; x < 4; x++)
+        for (size_t y = 0; y < 3; y++) {
+            for (size_t x = 0; x < 4; x++) {
                 assert_memory_equal(samples + (y * 4 + x) * stride,
                                     whole->samples + ((3 - y) * W + 2 + x) * stride,
                                     stride * sizeof(float));
+            }
+        }
         enc_data_destroy(&part);
         /* to half the size: the mean of 2 x 1.5 texels */
         options = (enc_read_options){.crop = {0, 0, 6, 3}, .size = {3, 2}};
@@ -373,8 +386,9 @@ static void test_parts(void **state) {
 #define AT(x, y) (double)w[((y)*W + (x)) * stride]
             /* clamping comes after the filter, so only where nothing was clamped is this the expected value */
             const double mean = (AT(2, 0) + AT(3, 0) + 0.5 * (AT(2, 1) + AT(3, 1))) / 3.0;
-            if (AT(2, 0) > 0 && AT(3, 0) > 0 && AT(2, 1) > 0 && AT(3, 1) > 0)
+            if (AT(2, 0) > 0 && AT(3, 0) > 0 && AT(2, 1) > 0 && AT(3, 1) > 0) {
                 assert_float_equal((double)samples[stride + i], mean, 1e-5);
+            }
 #undef AT
         }
         enc_data_destroy(&part);
@@ -389,9 +403,10 @@ static void expect_refusal(const char *what, const enc_read_options *options, bt
     messages[0] = '\0';
     const btf_result result = enc_read(&context, path, options, &data);
     assert_null(data);
-    if (result != expected || !strstr(messages, words))
+    if (result != expected || !strstr(messages, words)) {
         fail_msg("%s: result %d, expected %d; message \"%s\" lacks \"%s\"", what, (int)result,
                  (int)expected, messages, words);
+    }
 }
 
 static void test_contradictions(void **state) {
@@ -419,8 +434,9 @@ static void test_contradictions(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         unsigned char kept[4];
         memcpy(kept, bytes + cases[i].at, 4);
-        for (int b = 0; b < 4; b++)
+        for (int b = 0; b < 4; b++) {
             bytes[cases[i].at + (size_t)b] = (unsigned char)(cases[i].value >> 8 * b);
+        }
         write_whole_file(path, bytes, size);
         expect_refusal("patched", &options, cases[i].result, cases[i].words);
         memcpy(bytes + cases[i].at, kept, 4);
@@ -514,8 +530,9 @@ static void test_damaged(void **state) {
     s.width = 2;
     s.height = 2;
     for (int kind = 0; kind < 3; kind++) {
-        if (kind == 1)
+        if (kind == 1) {
             s.compression = 1;
+        }
         if (kind == 2) {
             s = spec_of(BONN_PVF, "!PVF06FCR");
             s.width = 2;
@@ -533,8 +550,9 @@ static void test_damaged(void **state) {
             messages[0] = '\0';
             if (enc_read(&context, path, &options, &data) == BTF_OK) {
                 const size_t n = enc_data_texel_stride(data) * enc_data_texel_count(data);
-                for (size_t i = 0; i < n; i++)
+                for (size_t i = 0; i < n; i++) {
                     assert_true(isfinite(data->samples[i]) && data->samples[i] >= 0.0f);
+                }
             } else {
                 assert_true(messages[0] != '\0');
             }

@@ -54,8 +54,9 @@ static void write_table(const char *text) {
 /* One texel; views and lights at the pole and on rings of 6 at 30 and 60 degrees. */
 static enc_data *make_data(void) {
     enc_direction list[DIRECTIONS] = {enc_direction_from_angles(0, 0)};
-    for (int i = 0; i < 12; i++)
+    for (int i = 0; i < 12; i++) {
         list[1 + i] = enc_direction_from_angles(i < 6 ? 30 : 60, 60 * (i % 6));
+    }
     enc_data *data = NULL;
     assert_int_equal(enc_data_create(&context, 1, 1, DIRECTIONS, list, DIRECTIONS, list, &data), BTF_OK);
     return data;
@@ -110,8 +111,9 @@ static void test_refusals(void **state) {
         write_table(cases[i].text);
         messages[0] = '\0';
         assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_ERROR_BAD_FILE);
-        if (!strstr(messages, cases[i].words))
+        if (!strstr(messages, cases[i].words)) {
             fail_msg("\"%s\" lacks \"%s\"", messages, cases[i].words);
+        }
         enc_data_destroy(&data);
     }
     enc_data *data = make_data();
@@ -147,14 +149,16 @@ static void test_fit(void **state) {
         }
         write_table(table);
         assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_OK);
-        for (size_t v = 0; v < DIRECTIONS; v++)
+        for (size_t v = 0; v < DIRECTIONS; v++) {
             for (size_t l = 0; l < DIRECTIONS; l++) {
                 const float *w = data->views[v].xyz, *i = enc_data_light(data, v, l)->xyz;
                 const double cosine = (double)w[0] * i[0] + (double)w[1] * i[1] + (double)w[2] * i[2];
-                for (size_t c = 0; c < 3; c++)
+                for (size_t c = 0; c < 3; c++) {
                     data->samples[(v * 3 + c) * DIRECTIONS + l] =
                         (float)((0.2 + 0.7 * pow(fmax(cosine, 0), 30)) * (double)i[2]);
+                }
             }
+        }
         if (!with) {
             free(data->moved_light);
             data->moved_light = NULL;
@@ -166,29 +170,35 @@ static void test_fit(void **state) {
         error[with] = 0;
         for (size_t v = 0; v < DIRECTIONS; v++) {
             float light[3][DIRECTIONS], value[3 * DIRECTIONS];
-            for (size_t l = 0; l < DIRECTIONS; l++)
-                for (int k = 0; k < 3; k++)
+            for (size_t l = 0; l < DIRECTIONS; l++) {
+                for (int k = 0; k < 3; k++) {
                     light[k][l] = enc_data_light(data, v, l)->xyz[k];
+                }
+            }
             enc_sbrdf_evaluate(sbrdf, 0, data->views[v].xyz, DIRECTIONS, light[0], light[1], light[2],
                                value);
-            for (size_t l = 0; l < DIRECTIONS; l++)
+            for (size_t l = 0; l < DIRECTIONS; l++) {
                 error[with] += pow((double)value[l] * (double)light[2][l] -
                                        (double)data->samples[v * 3 * DIRECTIONS + l],
                                    2);
+            }
         }
         enc_sbrdf_destroy(&sbrdf);
         enc_data_destroy(&data);
     }
-    if (!(error[1] < 0.05 * error[0]))
+    if (!(error[1] < 0.05 * error[0])) {
         fail_msg("squared error %g with the table, %g without", error[1], error[0]);
+    }
 }
 
 static void test_error_apart(void **state) {
     (void)state;
     enc_data *a = make_data(), *b = make_data();
-    for (size_t v = 0; v < DIRECTIONS; v++)
-        for (size_t c = 0; c < 3; c++)
+    for (size_t v = 0; v < DIRECTIONS; v++) {
+        for (size_t c = 0; c < 3; c++) {
             b->samples[(v * 3 + c) * DIRECTIONS + v] = 0.1f;
+        }
+    }
     enc_metrics metrics;
     assert_int_equal(
         enc_metrics_compare(&context, a, enc_data_images(a), enc_data_images(b), false, &metrics), BTF_OK);

@@ -31,8 +31,8 @@ static float decode_one(enc_transfer transfer, double gamma, int depth, double v
     unsigned char v8 = (unsigned char)value;
     unsigned short v16 = (unsigned short)value;
     float v32 = (float)value, out[3];
-    enc_image image = {1,     1,     1,
-                       depth, false, depth == 8 ? (void *)&v8 : depth == 16 ? (void *)&v16 : (void *)&v32, {0}};
+    enc_image image = {
+        1, 1, 1, depth, false, depth == 8 ? (void *)&v8 : depth == 16 ? (void *)&v16 : (void *)&v32, {0}};
     enc_decoder *decoder = enc_decoder_create(transfer, gamma);
     assert_non_null(decoder);
     enc_decode_pixels(decoder, &image, (enc_rectangle){0, 0, 1, 1}, out);
@@ -61,26 +61,34 @@ static void test_transfer_by_depth(void **state) {
 static void test_crop_and_grey(void **state) {
     (void)state;
     unsigned char grey[4 * 5], rgb[4 * 5 * 3];
-    for (int i = 0; i < 20; i++)
+    for (int i = 0; i < 20; i++) {
         grey[i] = (unsigned char)i;
-    for (int i = 0; i < 60; i++)
+    }
+    for (int i = 0; i < 60; i++) {
         rgb[i] = (unsigned char)(3 * i);
+    }
     enc_decoder *decoder = enc_decoder_create(ENC_TRANSFER_LINEAR, 0);
     float out[2 * 3 * 3];
     const enc_rectangle area = {1, 2, 3, 2};
     enc_image image = {5, 4, 1, 8, false, grey, {0}};
     enc_decode_pixels(decoder, &image, area, out);
-    for (int row = 0; row < 2; row++)
-        for (int x = 0; x < 3; x++)
-            for (int c = 0; c < 3; c++)
+    for (int row = 0; row < 2; row++) {
+        for (int x = 0; x < 3; x++) {
+            for (int c = 0; c < 3; c++) {
                 assert_float_equal(out[(row * 3 + x) * 3 + c] * 255.0f, (row + 2) * 5 + x + 1, 1e-5);
+            }
+        }
+    }
     image = (enc_image){5, 4, 3, 8, false, rgb, {0}};
     enc_decode_pixels(decoder, &image, area, out);
-    for (int row = 0; row < 2; row++)
-        for (int x = 0; x < 3; x++)
-            for (int c = 0; c < 3; c++)
+    for (int row = 0; row < 2; row++) {
+        for (int x = 0; x < 3; x++) {
+            for (int c = 0; c < 3; c++) {
                 assert_float_equal(out[(row * 3 + x) * 3 + c] * 255.0f,
                                    3 * (((row + 2) * 5 + x + 1) * 3 + c), 1e-4);
+            }
+        }
+    }
     enc_decoder_destroy(&decoder);
 }
 
@@ -93,36 +101,46 @@ static void test_xyz(void **state) {
                      {0.1805f, 0.0722f, 0.9505f}};
     const float expected[4][3] = {{1, 1, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     enc_xyz_to_rgb(&p[0][0], 4);
-    for (int i = 0; i < 4; i++)
-        for (int c = 0; c < 3; c++)
+    for (int i = 0; i < 4; i++) {
+        for (int c = 0; c < 3; c++) {
             assert_float_equal(p[i][c], expected[i][c], 5e-4);
+        }
+    }
 }
 
 static void test_flip(void **state) {
     (void)state;
     for (int height = 1; height <= 4; height++) {
         float p[4 * 2 * 3];
-        for (int i = 0; i < height * 6; i++)
+        for (int i = 0; i < height * 6; i++) {
             p[i] = (float)i;
+        }
         enc_flip_rows(p, 2, height);
-        for (int i = 0; i < height * 6; i++)
+        for (int i = 0; i < height * 6; i++) {
             assert_float_equal(p[i], (height - 1 - i / 6) * 6 + i % 6, 0);
+        }
     }
 }
 
 static void test_resize_blocks(void **state) {
     (void)state;
     float in[4 * 6 * 3], out[2 * 2 * 3];
-    for (int row = 0; row < 4; row++)
-        for (int x = 0; x < 6; x++)
-            for (int c = 0; c < 3; c++)
+    for (int row = 0; row < 4; row++) {
+        for (int x = 0; x < 6; x++) {
+            for (int c = 0; c < 3; c++) {
                 in[(row * 6 + x) * 3 + c] = (float)(100 * row + 10 * x + c);
+            }
+        }
+    }
     assert_int_equal(enc_resize_area(in, 6, 4, out, 2, 2), BTF_OK);
-    for (int row = 0; row < 2; row++)
-        for (int x = 0; x < 2; x++)
-            for (int c = 0; c < 3; c++)
+    for (int row = 0; row < 2; row++) {
+        for (int x = 0; x < 2; x++) {
+            for (int c = 0; c < 3; c++) {
                 assert_float_equal(out[(row * 2 + x) * 3 + c], 100 * (2 * row + 0.5) + 10 * (3 * x + 1) + c,
                                    1e-4);
+            }
+        }
+    }
 }
 
 static void test_resize_fractions(void **state) {

@@ -37,13 +37,14 @@ static void write_image(int v, int l, const char *name) {
 /* Writes the set of image_set.h, with names by a format of tv, pv, tl, pl. */
 static void write_set(const char *format, double scale) __attribute__((format(printf, 1, 0)));
 static void write_set(const char *format, double scale) {
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
             char name[128];
             snprintf(name, sizeof name, format, set_views[v][0] * scale, set_views[v][1] * scale,
                      set_lights[l][0] * scale, set_lights[l][1] * scale);
             write_image(v, l, name);
         }
+    }
 }
 
 static void write_text(const char *name, const char *text) {
@@ -53,8 +54,9 @@ static void write_text(const char *name, const char *text) {
 static const enc_read_options plain = {0};
 
 static void expect_said(const char *word) {
-    if (!strstr(set_messages, word))
+    if (!strstr(set_messages, word)) {
         fail_msg("\"%s\" does not say \"%s\"", set_messages, word);
+    }
 }
 
 /* Reads the set and finds it as it should be. Messages are kept for expect_said. */
@@ -71,7 +73,7 @@ static void expect_silent(const enc_read_options *options) {
 }
 
 static void write_azimuths_from_minus_180(void) {
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
             const double pv = remainder(set_views[v][1], 360), pl = remainder(set_lights[l][1], 360);
             char name[128];
@@ -79,6 +81,7 @@ static void write_azimuths_from_minus_180(void) {
                      pl);
             write_image(v, l, name);
         }
+    }
 }
 
 static void test_negative(void **state) {
@@ -101,13 +104,14 @@ static void test_dashes(void **state) {
 /* Where every name has a dash behind the same key, the minus is told. */
 static void test_dash_behind_one_key(void **state) {
     (void)state;
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
             char name[128];
             snprintf(name, sizeof name, "tv%g_pv-%g_tl%g_pl%g.png", set_views[v][0],
                      fmod(360 - set_views[v][1], 360), set_lights[l][0], set_lights[l][1]);
             write_image(v, l, name);
         }
+    }
     expect_whole(&plain);
     expect_said("images have a dash behind the key pv, which is read as a minus");
 }
@@ -124,7 +128,7 @@ static void test_frames(void **state) {
 static void test_noise(void **state) {
     (void)state;
     static const double noise[] = {0, 4e-15, -4e-15, 5e-4, -4e-4};
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
             const double n = l == 0 && v == 0 ? 0 : noise[(v + l) % 5];
             char name[128];
@@ -133,20 +137,23 @@ static void test_noise(void **state) {
                      l == 0 ? 0 : fmod(360 + set_lights[l][1] + n, 360));
             write_image(v, l, name);
         }
+    }
     expect_silent(&plain);
 }
 
 static void test_decimals(void **state) {
     (void)state;
     char name[128];
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
             snprintf(name, sizeof name, "tv%03.1f_pv%03.1f_tl%03.1f_pl%03.1f", set_views[v][0],
                      set_views[v][1], set_lights[l][0], set_lights[l][1]);
-            for (char *p = name; *p; p++)
+            for (char *p = name; *p; p++) {
                 *p = *p == '.' ? (v % 2 ? ',' : 'p') : *p;
+            }
             write_image(v, l, strcat(name, ".png"));
         }
+    }
     expect_silent(&plain);
     write_image(0, 0, "tv22_5_pv0_tl0_pl0.png");
     set_expect_refused(set_folder, &plain, BTF_ERROR_BAD_FILE, "1 images have an angle",
@@ -164,12 +171,13 @@ static void test_radians(void **state) {
 
 static void test_indices(void **state) {
     (void)state;
-    for (int v = 0; v < 3; v++)
+    for (int v = 0; v < 3; v++) {
         for (int l = 0; l < 3; l++) {
             char name[128];
             snprintf(name, sizeof name, "tv%d_pv%d_tl%d_pl%d.png", v, v * 2, l, l * 3);
             write_image(v, l, name);
         }
+    }
     enc_data *data = set_read_folder(&plain);
     expect_said("all thetas are whole and below 10: they look like numbers of directions");
     enc_data_destroy(&data);
@@ -214,7 +222,7 @@ static void write_table(const char *table, const char *head, const char *format)
     FILE *file = fopen(path_in(table), "w");
     assert_non_null(file);
     fputs(head, file);
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
             char name[32];
             snprintf(name, sizeof name, "%03d.png", v * LIGHTS + l);
@@ -222,6 +230,7 @@ static void write_table(const char *table, const char *head, const char *format)
             fprintf(file, format, name, set_views[v][0], set_views[v][1], set_lights[l][0],
                     set_lights[l][1]);
         }
+    }
     assert_int_equal(fclose(file), 0);
 }
 
@@ -266,9 +275,11 @@ static void test_quoted_commas(void **state) {
     assert_non_null(file);
     assert_true(fread(text, 1, sizeof text - 1, file) > 0);
     fclose(file);
-    for (char *p = text; *p; p++)
-        if (*p == '.' && p[2] == '"')
+    for (char *p = text; *p; p++) {
+        if (*p == '.' && p[2] == '"') {
             *p = ',';
+        }
+    }
     write_text("table.csv", text);
     expect_silent(by_table());
 }
@@ -296,17 +307,19 @@ static void test_headings(void **state) {
     (void)state;
     FILE *file = fopen(path_in("table.csv"), "w");
     fputs("# pl; tl ;note; file; pv; tv\n", file);
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
             char name[32], line[200];
             snprintf(name, sizeof name, "a #%d; b.png", v * LIGHTS + l);
             write_image(v, l, name);
             snprintf(line, sizeof line, "%g;%g;\"say \"\"x\"\"\";\"%s\";%g;%g\n", set_lights[l][1],
                      set_lights[l][0], name, set_views[v][1], set_views[v][0]);
-            for (char *p = line; (p = strstr(p, "7.5"));)
+            for (char *p = line; (p = strstr(p, "7.5"));) {
                 p[1] = ',';
+            }
             fputs(line, file);
         }
+    }
     fclose(file);
     expect_silent(by_table());
     write_text("table.csv", "# file, theta_l, phi_l, theta_v, azimuth\na.png,0,0,0,0\n");

@@ -25,17 +25,19 @@ static void expect(const char *path, double tl, double pl, double tv, double pv)
     enc_name name;
     enc_angles a;
     if (parse_alone(path, &name, &a) != ENC_NAME_READ || a.theta_light != tl || a.phi_light != pl ||
-        a.theta_view != tv || a.phi_view != pv)
+        a.theta_view != tv || a.phi_view != pv) {
         fail_msg("\"%s\" gave tl %g pl %g tv %g pv %g, %s", path, a.theta_light, a.phi_light, a.theta_view,
                  a.phi_view, name.why ? name.why : "no complaint");
+    }
 }
 
 static void expect_none(const char *path) {
     enc_name name;
     enc_angles a;
-    if (parse_alone(path, &name, &a) != ENC_NAME_INCOMPLETE)
+    if (parse_alone(path, &name, &a) != ENC_NAME_INCOMPLETE) {
         fail_msg("\"%s\" gave tl %g pl %g tv %g pv %g, %s", path, a.theta_light, a.phi_light, a.theta_view,
                  a.phi_view, name.why ? name.why : "no complaint");
+    }
 }
 
 /* All four angles, one of which nobody can read for sure. */
@@ -43,9 +45,10 @@ static void expect_bad(const char *path, const char *bad, const char *why) {
     enc_name name;
     enc_angles a;
     if (parse_alone(path, &name, &a) != ENC_NAME_BAD || strcmp(name.bad, bad) != 0 ||
-        !strstr(name.why, why))
+        !strstr(name.why, why)) {
         fail_msg("\"%s\" gave tl %g pl %g tv %g pv %g, '%s', %s", path, a.theta_light, a.phi_light,
                  a.theta_view, a.phi_view, name.bad, name.why ? name.why : "no complaint");
+    }
 }
 
 static void test_laboratories(void **state) {
@@ -169,9 +172,10 @@ static void test_doubts(void **state) {
         enc_name name;
         assert_int_equal(enc_names_parse(cases[i].path, &name), ENC_NAME_READ);
         if (name.counter != cases[i].counter || name.folders_differ != cases[i].differs ||
-            name.like_frame != cases[i].frame)
+            name.like_frame != cases[i].frame) {
             fail_msg("%s: counter %d, differs %d, frame %d", cases[i].path, name.counter,
                      name.folders_differ, name.like_frame);
+        }
     }
 }
 
@@ -185,11 +189,13 @@ static void test_number(void **state) {
     assert_true(enc_names_number("30.", false, &x) && x == 30);
     assert_true(enc_names_number("31 \u00b0", false, &x) && x == 31);
     assert_true(enc_names_number("32\xb0", false, &x) && x == 32);
-    static const char *const wrong[] = {"",    "-",   "x",   "1x", "1 2", "22,5", "1 -", "1 ",
-                                        "nan", "inf", "0x1", "1e", "--1", "1rad"};
-    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
-        if (enc_names_number(wrong[i], false, &x))
+    static const char *const wrong[] = {"",   "-",   "x",   "1x",  "1 2", "22,5", "1 -",
+                                        "1 ", "nan", "inf", "0x1", "1e",  "--1",  "1rad"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        if (enc_names_number(wrong[i], false, &x)) {
             fail_msg("\"%s\" gave %g", wrong[i], x);
+        }
+    }
 }
 
 static void test_units(void **state) {

@@ -56,16 +56,18 @@ static void test_names(void **state) {
 static void test_png_16(void **state) {
     (void)state;
     const enc_read_options options = {0};
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
             unsigned char codes[W * H * 3];
             unsigned short wide[W * H * 3];
             set_make_codes(v, l, codes);
-            for (int i = 0; i < W * H * 3; i++)
+            for (int i = 0; i < W * H * 3; i++) {
                 wide[i] = (unsigned short)(codes[i] * 257);
+            }
             assert_int_equal(png_image_write16(set_name_of(UBO, v, l, "PNG"), W, H, wide, set_no_log),
                              BTF_OK);
         }
+    }
     enc_data *data = set_read_folder(&options);
     set_expect(data, 1e-7);
     enc_data_destroy(&data);
@@ -74,18 +76,21 @@ static void test_png_16(void **state) {
 static void test_jpeg(void **state) {
     (void)state;
     const enc_read_options options = {0};
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
             unsigned char flat[W * H * 3];
             memset(flat, v * 40 + l * 10 + 5, sizeof flat);
             assert_int_equal(jpeg_image_write(set_name_of(UBO, v, l, "jpg"), W, H, flat, 95, set_no_log),
                              BTF_OK);
         }
+    }
     enc_data *data = set_read_folder(&options);
-    for (int v = 0; v < VIEWS; v++)
-        for (int l = 0; l < LIGHTS; l++)
+    for (int v = 0; v < VIEWS; v++) {
+        for (int l = 0; l < LIGHTS; l++) {
             assert_float_equal(set_sample(data, v, l, 3, 2, 1),
                                enc_srgb_decode((v * 40 + l * 10 + 5) / 255.0), 0.01);
+        }
+    }
     enc_data_destroy(&data);
 }
 
@@ -93,35 +98,39 @@ static void test_jpeg(void **state) {
 static void test_float_formats(void **state) {
     (void)state;
     for (int half = 0; half < 2; half++) {
-        for (int v = 0; v < VIEWS; v++)
+        for (int v = 0; v < VIEWS; v++) {
             for (int l = 0; l < LIGHTS; l++) {
                 unsigned char codes[W * H * 3];
                 float linear[W * H * 3];
                 set_make_codes(v, l, codes);
-                for (int i = 0; i < W * H * 3; i++)
+                for (int i = 0; i < W * H * 3; i++) {
                     linear[i] = (float)enc_srgb_decode(codes[i] / 255.0);
+                }
                 assert_int_equal(
                     exr_image_write(set_name_of(UTIA, v, l, "exr"), W, H, linear, half, set_no_log),
                     BTF_OK);
             }
+        }
         enc_data *data = set_read_folder(&(enc_read_options){0});
         set_expect(data, half ? 0.0005 : 1e-7);
         enc_data_destroy(&data);
     }
     set_remove_folder(NULL);
     set_make_folder(NULL);
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
             unsigned char codes[W * H * 3], rgbe[W * H * 4];
             set_make_codes(v, l, codes);
             for (int i = 0; i < W * H; i++) {
                 rgbe[4 * i + 3] = 130; /* mantissa 1/64 */
-                for (int c = 0; c < 3; c++)
+                for (int c = 0; c < 3; c++) {
                     rgbe[4 * i + c] = codes[3 * i + c];
+                }
             }
             write_hdr(set_name_of(UBO, v, l, "hdr"), W, H, rgbe, HDR_FLAT, "FORMAT=32-bit_rle_rgbe\n",
                       false);
         }
+    }
     enc_data *data = set_read_folder(&(enc_read_options){0});
     assert_float_equal(set_sample(data, 2, 3, 1, 4, 2), set_code(2, 3, 1, 4, 2) / 64.0,
                        0); /* above 1, not clamped */
@@ -134,19 +143,22 @@ static void test_xyz(void **state) {
     static const double matrix[3][3] = {{0.4123908, 0.2126390, 0.0193308},
                                         {0.3575843, 0.7151687, 0.1191948},
                                         {0.1804808, 0.0721923, 0.9505322}};
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
             float xyz[W * H * 3];
-            for (int i = 0; i < W * H; i++)
+            for (int i = 0; i < W * H; i++) {
                 for (int k = 0; k < 3; k++) {
                     double sum = 0;
-                    for (int c = 0; c < 3; c++)
+                    for (int c = 0; c < 3; c++) {
                         sum += matrix[c][k] * enc_srgb_decode(set_code(v, l, i / W, i % W, c) / 255.0);
+                    }
                     xyz[3 * i + k] = (float)sum;
                 }
+            }
             assert_int_equal(exr_image_write(set_name_of(UTIA, v, l, "exr"), W, H, xyz, false, set_no_log),
                              BTF_OK);
         }
+    }
     enc_data *data = set_read_folder(&(enc_read_options){.colour = ENC_COLOUR_XYZ});
     set_expect(data, 2e-5);
     enc_data_destroy(&data);
@@ -189,9 +201,11 @@ static void test_geometry(void **state) {
     data = set_read_folder(&(enc_read_options){.crop = {1, 0, 4, 4}, .flip_v = true, .size = {2, 2}});
     assert_int_equal(data->width, 2);
     double mean = 0;
-    for (int row = 2; row < 4; row++)
-        for (int column = 3; column < 5; column++)
+    for (int row = 2; row < 4; row++) {
+        for (int column = 3; column < 5; column++) {
             mean += enc_srgb_decode(set_code(3, 4, row, column, 1) / 255.0) / 4;
+        }
+    }
     assert_float_equal(set_sample(data, 3, 4, 0, 1, 1), mean, 1e-6);
     enc_data_destroy(&data);
 
@@ -199,8 +213,9 @@ static void test_geometry(void **state) {
                                         {.crop = {0, 0, 0, 5}}, {.size = {0, 5}},
                                         {.size = {16385, 1}},   {.size = {-1, -1}}};
     const char *words[] = {"5x4", "5x4", "crop", "size 0x5", "16385", "-1"};
-    for (size_t i = 0; i < 6; i++)
+    for (size_t i = 0; i < 6; i++) {
         set_expect_refused(set_folder, &outside[i], BTF_ERROR_USAGE, words[i], NULL);
+    }
 }
 
 static void test_azimuths(void **state) {
@@ -318,17 +333,21 @@ static void test_refused_images(void **state) {
 static void test_refused_values(void **state) {
     (void)state;
     float rgb[W * H * 3];
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
-            for (int i = 0; i < W * H * 3; i++)
+            for (int i = 0; i < W * H * 3; i++) {
                 rgb[i] = 0.25f;
-            if (v == 2 && l == 1)
+            }
+            if (v == 2 && l == 1) {
                 rgb[(3 * W + 1) * 3 + 2] = -0.5f;
-            if (v == 2 && l == 2)
+            }
+            if (v == 2 && l == 2) {
                 rgb[0] = rgb[1] = -1e-6f;
+            }
             assert_int_equal(exr_image_write(set_name_of(UTIA, v, l, "exr"), W, H, rgb, false, set_no_log),
                              BTF_OK);
         }
+    }
     enc_data *data = set_read_folder(&(enc_read_options){0});
     assert_true(data->negative == 3);
     assert_true(set_sample(data, 2, 1, 3, 1, 2) == 0.0f);
@@ -361,7 +380,7 @@ static void test_notes(void **state) {
     (void)state;
     const enc_read_options options = {0};
     unsigned char codes[W * H * 3];
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
             set_make_codes(v, l, codes);
             FILE *f = fopen(set_name_of(UBO, v, l, "png"), "wb");
@@ -370,15 +389,18 @@ static void test_notes(void **state) {
             assert_non_null(f);
             png_init_io(png, f);
             png_set_IHDR(png, info, W, H, 8, PNG_COLOR_TYPE_RGB, 0, 0, 0);
-            if (l >= 2)
+            if (l >= 2) {
                 png_set_gAMA(png, info, l == 2 ? 1.0 : 0.5);
+            }
             png_write_info(png, info);
-            for (int row = 0; row < H; row++)
+            for (int row = 0; row < H; row++) {
                 png_write_row(png, codes + (size_t)row * W * 3);
+            }
             png_write_end(png, info);
             png_destroy_write_struct(&png, &info);
             assert_int_equal(fclose(f), 0);
         }
+    }
     enc_data *data = set_read_folder(&options);
     for (int l = 0; l < LIGHTS; l++) {
         const double code = set_code(1, l, 2, 3, 1) / 255.0;
@@ -399,17 +421,22 @@ static void test_notes(void **state) {
 static void test_primaries(void **state) {
     (void)state;
     static const float p3[8] = {0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f};
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
-            bytes_part part = {.width = W, .height = H, .value = one_green, .channel_count = 3,
-                               .channels = {{"B", BYTES_FLOAT, 1, 1}, {"G", BYTES_FLOAT, 1, 1}, {"R", BYTES_FLOAT, 1, 1}},
-                               .attribute_count = 1,
-                               .attributes = {{"chromaticities", "chromaticities", p3, sizeof p3}}};
+            bytes_part part = {
+                .width = W,
+                .height = H,
+                .value = one_green,
+                .channel_count = 3,
+                .channels = {{"B", BYTES_FLOAT, 1, 1}, {"G", BYTES_FLOAT, 1, 1}, {"R", BYTES_FLOAT, 1, 1}},
+                .attribute_count = 1,
+                .attributes = {{"chromaticities", "chromaticities", p3, sizeof p3}}};
             size_t size;
             void *bytes = exr_bytes(&part, 1, &size);
             write_whole_file(set_name_of(UTIA, v, l, "exr"), bytes, size);
             free(bytes);
         }
+    }
     enc_data *data = set_read_folder(&(enc_read_options){0});
     /* the green of Display P3 in Rec. 709: red below 0, which is clamped and counted */
     assert_true(fabs((double)set_sample(data, 1, 2, 1, 1, 1) - 1.0420) < 1e-3);

@@ -72,8 +72,9 @@ static void test_data(void **state) {
     (void)state;
     const enc_direction list[2] = {enc_direction_from_angles(0, 0), enc_direction_from_angles(30, 0)};
     float in[2 * 2 * 3 * 2], buffer[2 * 2 * 3 * 2];
-    for (int i = 0; i < 24; i++)
+    for (int i = 0; i < 24; i++) {
         in[i] = (float)i;
+    }
     for (int k = 0; k < 2; k++) {
         enc_data *data;
         const float *out;
@@ -83,8 +84,9 @@ static void test_data(void **state) {
         assert_int_equal(enc_data_texels(&set_context, data, 1, 2, buffer, &out), BTF_OK);
         assert_memory_equal(out, in, sizeof in);
         assert_int_equal(enc_data_texels(&set_context, data, 0, 1, buffer, &out), BTF_OK);
-        for (int i = 0; i < 12; i++)
+        for (int i = 0; i < 12; i++) {
             assert_true(out[i] == 0.0f);
+        }
         enc_data_destroy(&data);
     }
     enc_data *data;
@@ -93,8 +95,9 @@ static void test_data(void **state) {
     assert_int_equal(enc_data_create(&set_context, 1, 16385, 2, list, 2, list, &data), BTF_ERROR_USAGE);
     assert_int_equal(enc_data_create(&set_context, 1, 1, 257, list, 2, list, &data), BTF_ERROR_USAGE);
     enc_direction many[256];
-    for (int i = 0; i < 256; i++)
+    for (int i = 0; i < 256; i++) {
         many[i] = list[i % 2];
+    }
     set_messages[0] = '\0';
     assert_int_equal(enc_data_create(&set_context, 16384, 16384, 256, many, 256, many, &data),
                      BTF_ERROR_IO);
@@ -104,10 +107,11 @@ static void test_data(void **state) {
     setenv("TMPDIR", "/nowhere/at/all", 1);
     assert_int_equal(enc_data_create(&set_context, 3, 1, 2, list, 2, list, &data), BTF_ERROR_IO);
     assert_non_null(strstr(set_messages, "/nowhere/at/all"));
-    if (kept)
+    if (kept) {
         setenv("TMPDIR", kept, 1);
-    else
+    } else {
         unsetenv("TMPDIR");
+    }
     free(kept);
 }
 
@@ -134,21 +138,23 @@ static void write_archive(const char *path, bool zip) {
     }
     assert_int_equal(archive_write_open_filename(archive, path), ARCHIVE_OK);
     add_to_archive(archive, "readme.txt", "hello", 5);
-    for (int l = 0; l < LIGHTS; l++)
+    for (int l = 0; l < LIGHTS; l++) {
         for (int v = 0; v < VIEWS; v++) {
             char name[PATH];
             size_t size;
             void *data = read_whole_file(set_name_of(UBO, v, l, "png"), &size);
             snprintf(name, sizeof name, "%s/tv%g_pv%g/tl%g pl%g.png", l % 2 ? "../../.." : "/absolute",
                      set_views[v][0], set_views[v][1], set_lights[l][0], set_lights[l][1]);
-            for (char *p = name; *p && l % 2; p++)
+            for (char *p = name; *p && l % 2; p++) {
                 *p = *p == '/' ? '\\' : *p;
+            }
             add_to_archive(archive, name, data, size);
             free(data);
             snprintf(name, sizeof name, "__MACOSX%c._tv%g_pv%g tl%g pl%g.png", l % 2 ? '\\' : '/',
                      set_views[v][0], set_views[v][1], set_lights[l][0], set_lights[l][1]);
             add_to_archive(archive, name, "x", 1);
         }
+    }
     assert_int_equal(archive_write_free(archive), ARCHIVE_OK);
 }
 
@@ -163,8 +169,9 @@ static void test_archives(void **state) {
         for (size_t memory = 0; memory < 6000; memory += 2500) {
             enc_data *data = NULL;
             set_context.memory = memory;
-            if (enc_read(&set_context, path, &options, &data) != BTF_OK)
+            if (enc_read(&set_context, path, &options, &data) != BTF_OK) {
                 fail_msg("%s", set_messages);
+            }
             assert_true((data->samples == NULL) == (memory > 0));
             set_expect(data, 1e-7);
             enc_data_destroy(&data);
@@ -199,12 +206,14 @@ static void test_archives(void **state) {
 static const char *shared_file(const char *name) {
     static char path[4096];
     const char *shared = getenv("BTF_SHARED"), *root = getenv("BTF_SOURCE_ROOT");
-    if (shared)
+    if (shared) {
         snprintf(path, sizeof path, "%s/data/%s", shared, name);
-    else
+    } else {
         snprintf(path, sizeof path, "%s/../shared/data/%s", root ? root : ".", name);
-    if (access(path, R_OK) == 0)
+    }
+    if (access(path, R_OK) == 0) {
         return path;
+    }
     print_message("skipped: %s is absent\n", path);
     return NULL;
 }
@@ -212,8 +221,9 @@ static const char *shared_file(const char *name) {
 static void test_bricks(void **state) {
     (void)state;
     const char *path = shared_file("BRICKS64.zip");
-    if (!path)
+    if (!path) {
         skip();
+    }
     enc_data *data = NULL;
     assert_int_equal(enc_read(&set_context, path, &(enc_read_options){0}, &data), BTF_OK);
     assert_int_equal(data->width, 64);
@@ -234,8 +244,9 @@ static void test_bricks(void **state) {
     for (int i = 0; i < 2; i++) {
         double sum = 0;
         assert_int_equal(enc_data_view(&set_context, data, i * 80, view), BTF_OK);
-        for (size_t k = 0; k < count; k++)
+        for (size_t k = 0; k < count; k++) {
             sum += view[k];
+        }
         assert_float_equal(sum, sums[i], 1e-3);
     }
     free(view);
@@ -245,8 +256,9 @@ static void test_bricks(void **state) {
 static void test_wallpaper(void **state) {
     (void)state;
     const char *path = shared_file("UBO_WALLPAPER256_top.zip");
-    if (!path)
+    if (!path) {
         skip();
+    }
     enc_data *data = NULL;
     assert_int_equal(enc_read(&set_context, path, &(enc_read_options){.size = {64, 64}}, &data), BTF_OK);
     assert_int_equal(data->width, 64);

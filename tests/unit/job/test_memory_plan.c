@@ -16,8 +16,9 @@ static char message[512];
 
 static void keep_message(void *user, btf_log_level level, const char *text) {
     (void)user;
-    if (level == BTF_LOG_ERROR)
+    if (level == BTF_LOG_ERROR) {
         snprintf(message, sizeof message, "%s", text);
+    }
 }
 
 static btf_result create(size_t memory, enc_least_memory least) {

@@ -38,8 +38,9 @@ static void expect_same(btf_input *input, const enc_data *data) {
         assert_true(info.view_angles[2 * v] == data->views[v].theta &&
                     info.view_angles[2 * v + 1] == data->views[v].phi);
     }
-    for (int l = 0; l < info.n_lights; l++)
+    for (int l = 0; l < info.n_lights; l++) {
         assert_memory_equal(info.lights + 3 * l, data->lights[l].xyz, sizeof data->lights[l].xyz);
+    }
     const int images = info.n_views * info.n_lights;
     const size_t texels = enc_data_texel_count(data);
     int wrong = 0;
@@ -48,13 +49,15 @@ static void expect_same(btf_input *input, const enc_data *data) {
         const int v = i / info.n_lights, l = i % info.n_lights;
         float *rgb = malloc(3 * texels * sizeof *rgb);
         wrong += !rgb || btf_input_image(input, v, l, NULL, rgb) != BTF_OK;
-        for (size_t t = 0; t < texels && rgb; t++)
-            for (size_t c = 0; c < 3; c++)
+        for (size_t t = 0; t < texels && rgb; t++) {
+            for (size_t c = 0; c < 3; c++) {
                 wrong += memcmp(&rgb[3 * t + c],
                                 &data->samples[((t * (size_t)data->n_views + (size_t)v) * 3 + c) *
                                                    (size_t)data->n_lights +
                                                (size_t)l],
                                 sizeof *rgb) != 0;
+            }
+        }
         free(rgb);
     }
     assert_int_equal(wrong, 0);
@@ -142,8 +145,9 @@ static void expect_refusal(const char *path, const btf_input_options *options, b
     set_messages[0] = '\0';
     assert_int_equal(btf_input_open(path, options, &log, &input), expected);
     assert_null(input);
-    if (!strstr(set_messages, word))
+    if (!strstr(set_messages, word)) {
         fail_msg("no \"%s\" in: %s", word, set_messages);
+    }
 }
 
 static void test_refusals(void **state) {

@@ -32,10 +32,12 @@ static enc_data *noise(int width, int height) {
     enc_direction views[VIEWS], lights[LIGHTS];
     enc_data *data = NULL;
     uint64_t state = 88172645463325252u;
-    for (int i = 0; i < LIGHTS; i++)
+    for (int i = 0; i < LIGHTS; i++) {
         lights[i] = enc_direction_from_angles(20.0 * i, 0.0);
-    for (int i = 0; i < VIEWS; i++)
+    }
+    for (int i = 0; i < VIEWS; i++) {
         views[i] = enc_direction_from_angles(30.0 * i, 0.0);
+    }
     assert_int_equal(enc_data_create(&one_thread, width, height, VIEWS, views, LIGHTS, lights, &data),
                      BTF_OK);
     for (int i = 0; i < width * height * STRIDE; i++) {
@@ -48,19 +50,22 @@ static enc_data *noise(int width, int height) {
 /* The mean over texel (c, r) of a w x h level from a subdivision that both grids share. */
 static double by_subdivision(const enc_data *from, int w, int h, int c, int r, int sample) {
     double sum = 0;
-    for (int y = r * from->height; y < (r + 1) * from->height; y++)
-        for (int x = c * from->width; x < (c + 1) * from->width; x++)
+    for (int y = r * from->height; y < (r + 1) * from->height; y++) {
+        for (int x = c * from->width; x < (c + 1) * from->width; x++) {
             sum +=
                 (double)from->samples[((size_t)(y / h) * (size_t)from->width + (size_t)(x / w)) * STRIDE +
                                       (size_t)sample];
+        }
+    }
     return sum / ((double)from->width * from->height);
 }
 
 static double mean(const enc_data *data) {
     const size_t n = enc_data_texel_count(data) * STRIDE;
     double sum = 0;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         sum += (double)data->samples[i];
+    }
     return sum / (double)n;
 }
 
@@ -75,11 +80,12 @@ static void test_filter(void **unused) {
         assert_int_equal(to->width, w);
         assert_int_equal(to->height, h);
         assert_memory_equal(to->lights, from->lights, LIGHTS * sizeof *to->lights);
-        for (int t = 0; t < w * h; t++)
+        for (int t = 0; t < w * h; t++) {
             for (int s = 0; s < STRIDE; s++) {
                 const double expected = by_subdivision(from, w, h, t % w, t / w, s);
                 assert_true(fabs((double)to->samples[t * STRIDE + s] - expected) <= 1e-6 * expected);
             }
+        }
         assert_true(fabs(mean(to) - mean(from)) <= 1e-6 * mean(from));
         enc_data_destroy(&to);
         enc_data_destroy(&from);
@@ -97,8 +103,9 @@ static void test_filter_scratch(void **unused) {
     assert_null(to->samples);
     for (int t = 0; t < 6; t++) {
         assert_int_equal(enc_data_texels(&little, to, (size_t)t, 1, texel, &samples), BTF_OK);
-        for (int s = 0; s < STRIDE; s++)
+        for (int s = 0; s < STRIDE; s++) {
             assert_true(fabs((double)samples[s] - by_subdivision(from, 3, 2, t % 3, t / 3, s)) <= 1e-5);
+        }
     }
     enc_data_destroy(&to);
     enc_data_destroy(&from);
@@ -115,12 +122,13 @@ static btf_result visit_level(void *user, int level, const enc_data *data) {
     assert_int_equal(level, ++v->levels);
     assert_int_equal(data->width, enc_level_side(v->base->width, level));
     assert_int_equal(data->height, enc_level_side(v->base->height, level));
-    for (int t = 0; t < data->width * data->height; t++)
+    for (int t = 0; t < data->width * data->height; t++) {
         for (int s = 0; s < STRIDE; s++) {
             const double expected =
                 by_subdivision(v->base, data->width, data->height, t % data->width, t / data->width, s);
             assert_true(fabs((double)data->samples[t * STRIDE + s] - expected) <= 1e-6 * expected);
         }
+    }
     return BTF_OK;
 }
 
@@ -142,9 +150,11 @@ static enc_data *sample(relief_kind relief, int size) {
     enc_direction list[16];
     enc_data *data = NULL;
     int count = 0;
-    for (int r = 0; r < 3; r++)
-        for (int i = 0; i < ring[r]; i++)
+    for (int r = 0; r < 3; r++) {
+        for (int i = 0; i < ring[r]; i++) {
             list[count++] = enc_direction_from_angles(30.0 * r, 360.0 * i / ring[r]);
+        }
+    }
     const sample_options options = {.context = &two_threads,
                                     .relief = relief,
                                     .width = size,
@@ -170,14 +180,16 @@ static btf_result point_view(const void *user, int view, float *out) {
     float *all = malloc((size_t)p->lights * image * sizeof *all);
     assert_non_null(all);
     assert_int_equal(p->images.view(p->images.user, view, all), BTF_OK);
-    for (int l = 0; l < p->lights; l++)
-        for (int r = 0; r < p->h; r++)
+    for (int l = 0; l < p->lights; l++) {
+        for (int r = 0; r < p->h; r++) {
             for (int c = 0; c < p->w; c++) {
                 const size_t x = (size_t)((2 * c + 1) * p->width / (2 * p->w)),
                              y = (size_t)((2 * r + 1) * p->height / (2 * p->h));
                 memcpy(out + 3 * (((size_t)l * (size_t)p->h + (size_t)r) * (size_t)p->w + (size_t)c),
                        all + (size_t)l * image + 3 * (y * (size_t)p->width + x), 3 * sizeof(float));
             }
+        }
+    }
     free(all);
     return BTF_OK;
 }
@@ -228,8 +240,9 @@ static void check_levels(const char *name, const enc_data *data, const enc_solut
 
 static void same(const void *a, const void *b, size_t size) {
     assert_int_equal(a != NULL, b != NULL);
-    if (a)
+    if (a) {
         assert_memory_equal(a, b, size);
+    }
 }
 
 /* Through the packer, a file in memory and back: every map. */
@@ -265,16 +278,19 @@ static void check_round_trip(const enc_data *data, const enc_solution *base, con
         assert_ptr_equal(b->factors.directions, back.factors.directions);
         assert_ptr_equal(b->centre_codes, back.centre_codes);
         assert_int_equal(a->sbrdf != NULL, b->sbrdf != NULL);
-        if (a->sbrdf)
+        if (a->sbrdf) {
             assert_memory_equal(a->sbrdf->values, b->sbrdf->values,
                                 texels * enc_sbrdf_stride(a->sbrdf->lobes, a->sbrdf->rgb) * sizeof(float));
+        }
         for (size_t p = 0; p < points; p++) {
-            if (a->gain)
+            if (a->gain) {
                 assert_int_equal(a->gain[p], b->gain[p]);
-            if (a->gain && a->gain[p] == 0)
+            }
+            if (a->gain && a->gain[p] == 0) {
                 assert_int_equal(a->centre[p], b->centre[p]);
-            else if (a->shift)
+            } else if (a->shift) {
                 assert_memory_equal(a->shift + 2 * p, b->shift + 2 * p, 2);
+            }
         }
     }
     same(base->centre_codes, back.centre_codes, (size_t)base->n_centres * (size_t)base->n_lights * 3);
@@ -335,8 +351,9 @@ static void fill(void *to, size_t size, int low, int high) {
 static void fill_level(enc_solution *s) {
     const size_t texels = enc_solution_texels(s), points = texels * (size_t)s->n_views;
     assert_int_equal(enc_sbrdf_create(texels, 2, true, &s->sbrdf), BTF_OK);
-    for (size_t i = 0; i < texels * enc_sbrdf_stride(2, true); i++)
+    for (size_t i = 0; i < texels * enc_sbrdf_stride(2, true); i++) {
         s->sbrdf->values[i] = 0.125f * (float)(1 + i % 13);
+    }
     s->shadow = malloc(texels * (size_t)s->n_lights);
     fill(s->shadow, texels * (size_t)s->n_lights, 0, 255);
     s->shift = malloc(2 * points);
@@ -359,8 +376,8 @@ static void test_version_1(void **unused) {
                          .n_views = data->n_views,
                          .n_lights = data->n_lights,
                          .domain = BTF_DOMAIN_SQRT,
-                         .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN |
-                                    BTF_EFFECT_RESIDUAL,
+                         .effects =
+                             BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL,
                          .radiance_scale = 1,
                          .shadow_scale = 1 / 255.0f,
                          .gain_scale = BTF_GAIN_SCALE,
@@ -369,8 +386,9 @@ static void test_version_1(void **unused) {
                          .residual_scales = malloc(COMPONENTS * sizeof(float))};
     assert_non_null(levels.level);
     fill(base.residual_directions, directions, -127, 127);
-    for (int i = 0; i < COMPONENTS; i++)
+    for (int i = 0; i < COMPONENTS; i++) {
         base.residual_scales[i] = 0x1p-12f;
+    }
     fill_level(&base);
     for (int i = 0; i < 2; i++) {
         levels.level[i] = enc_level_of(&base, SIZE >> (i + 1), SIZE >> (i + 1));
@@ -394,10 +412,12 @@ static void test_threads(void **unused) {
         const size_t texels = enc_solution_texels(a);
         assert_int_equal(texels, (11 >> (l + 1)) * (11 >> (l + 1)));
         assert_memory_equal(a->factors.texels, b->factors.texels, 16 * texels * a->factors.layers);
-        if (a->shift)
+        if (a->shift) {
             assert_memory_equal(a->shift, b->shift, 2 * texels * (size_t)a->n_views);
-        if (a->gain)
+        }
+        if (a->gain) {
             assert_memory_equal(a->gain, b->gain, texels * (size_t)a->n_views);
+        }
     }
     for (int i = 0; i < 2; i++) {
         enc_levels_clear(&levels[i]);
@@ -425,11 +445,12 @@ static void test_paper(void **unused) {
         assert_ptr_equal(s->centre_codes, base.centre_codes);
         assert_int_equal(s->n_centres, base.n_centres);
         size_t hidden = 0;
-        for (size_t i = 0; i < enc_solution_texels(s) * (size_t)s->n_views; i++)
+        for (size_t i = 0; i < enc_solution_texels(s) * (size_t)s->n_views; i++) {
             if (s->gain[i] == 0) {
                 hidden++;
                 assert_in_range(s->centre[i], before, base.n_centres - 1);
             }
+        }
         printf("level %d: %zu hidden points\n", l + 1, hidden);
     }
     enc_levels_clear(&levels);
@@ -476,14 +497,10 @@ static void test_report(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_filter),
-        cmocka_unit_test(test_filter_scratch),
-        cmocka_unit_test(test_each),
-        cmocka_unit_test(test_joint),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_version_1),
-        cmocka_unit_test(test_paper),
-        cmocka_unit_test(test_report),
+        cmocka_unit_test(test_filter),  cmocka_unit_test(test_filter_scratch),
+        cmocka_unit_test(test_each),    cmocka_unit_test(test_joint),
+        cmocka_unit_test(test_threads), cmocka_unit_test(test_version_1),
+        cmocka_unit_test(test_paper),   cmocka_unit_test(test_report),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

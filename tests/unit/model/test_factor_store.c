@@ -35,10 +35,12 @@ static uint32_t random_bits(void) {
 static enc_data *make_data(void) {
     enc_direction v[VIEWS], l[LIGHTS];
     v[0] = l[0] = enc_direction_from_angles(0, 0);
-    for (int i = 1; i < VIEWS; i++)
+    for (int i = 1; i < VIEWS; i++) {
         v[i] = enc_direction_from_angles(50, i * 40);
-    for (int i = 1; i < LIGHTS; i++)
+    }
+    for (int i = 1; i < LIGHTS; i++) {
         l[i] = enc_direction_from_angles(i < 5 ? 30 : 65, i * 60 % 360 + i / 7);
+    }
     enc_data *data = NULL;
     assert_int_equal(enc_data_create(&context, WIDTH, HEIGHT, VIEWS, v, LIGHTS, l, &data), BTF_OK);
     return data;
@@ -50,9 +52,11 @@ static uint32_t *random_words(size_t count) {
     assert_non_null(words);
     for (size_t i = 0; i < count; i++) {
         words[i] = random_bits();
-        for (int byte = 0; byte < 4; byte++)
-            if ((words[i] >> (8 * byte) & 255) == 128)
+        for (int byte = 0; byte < 4; byte++) {
+            if ((words[i] >> (8 * byte) & 255) == 128) {
                 words[i] ^= 1u << (8 * byte);
+            }
+        }
     }
     return words;
 }
@@ -77,12 +81,14 @@ static void add_points(enc_solution *s, points store) {
     s->gain_base = s->packed ? 0.3f : 0;
     s->gain_step = s->packed ? 0.07f : 0;
     assert_true(s->shift && s->gain);
-    for (size_t i = 0; i < 2 * count && store != NONE; i++)
+    for (size_t i = 0; i < 2 * count && store != NONE; i++) {
         s->shift[i] = (int8_t)(random_bits() % 64) - 32;
-    for (size_t i = 0; i < count; i++)
+    }
+    for (size_t i = 0; i < count; i++) {
         s->gain[i] = (uint8_t)(s->packed           ? random_bits() % 16
                                : store == SEPARATE ? 1 + random_bits() % 255
                                                    : BTF_GAIN_ONE);
+    }
 }
 
 /* Every class, with words of chroma in mixed and in whole units. */
@@ -111,12 +117,15 @@ static enc_solution random_solution(btf_domain domain, btf_blend blend) {
     f->scales = calloc(f->units, 4 * sizeof *f->scales);
     f->views = calloc(VIEWS, 12 * sizeof *f->views);
     assert_true(f->scales && f->views);
-    for (uint32_t i = 0; i < f->units; i++)
-        for (int k = 0; k < 4; k++)
+    for (uint32_t i = 0; i < f->units; i++) {
+        for (int k = 0; k < 4; k++) {
             f->scales[4 * i + (uint32_t)k] =
                 k > 0 && !units[i].mixed ? f->scales[4 * i] : random_scale(0.1 / top[units[i].class]);
-    for (int i = 0; i < VIEWS * 12; i++)
+        }
+    }
+    for (int i = 0; i < VIEWS * 12; i++) {
         f->views[i] = i % 4 < 3 ? random_scale(1) : 0;
+    }
     f->horizon_scale = (float)(1 / cos(65 * 3.14159265358979323846 / 180));
     return s;
 }
@@ -157,9 +166,10 @@ static void test_levels(void **state) {
         uint32_t *first = random_words(4), *second = random_words(4);
         assert_int_equal(units[c].word, words[c]);
         enc_store_u_levels(&units[c], first, second, levels);
-        for (int n = 0; n < 4 * words[c]; n++)
+        for (int n = 0; n < 4 * words[c]; n++) {
             assert_int_equal(levels[n],
                              u_by_table(c, first[n / words[c]], second[n / words[c]], n % words[c]));
+        }
         enc_store_w_levels(&units[c], first, levels);
         for (int n = 0; n < 4 * words[c]; n++) {
             const uint32_t word = first[n / words[c]];
@@ -239,7 +249,8 @@ static void check_apart(enc_evaluated_texel *t, const btf_ref_material *m, uint3
     at.lights = lights;
     at.apart = true;
     enc_evaluate(t, options, &at, &options->components, 1, found);
-    btf_ref_evaluate_apart(m, options, texel % WIDTH, texel / WIDTH, lights, at.views, at.light, at.view, expected);
+    btf_ref_evaluate_apart(m, options, texel % WIDTH, texel / WIDTH, lights, at.views, at.light, at.view,
+                           expected);
     assert_memory_equal(found[0], expected, sizeof expected);
 }
 

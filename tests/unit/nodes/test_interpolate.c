@@ -55,8 +55,9 @@ static double affine_error(const enc_weights *w, const enc_direction *list, cons
 
 static double weight_of(const enc_weights *w, uint32_t sample) {
     double sum = 0;
-    for (int i = 0; i < w->count; i++)
+    for (int i = 0; i < w->count; i++) {
         sum += w->index[i] == sample ? (double)w->weight[i] : 0;
+    }
     return sum;
 }
 
@@ -93,8 +94,9 @@ static void test_samples_are_kept(void **state) {
         for (int i = 0; i < count; i++) {
             enc_weights w;
             enc_interpolator_weights(made, list[i].xyz, &w);
-            for (int k = 0; k < count; k++)
+            for (int k = 0; k < count; k++) {
                 assert_true(fabs(weight_of(&w, (uint32_t)k) - (k == i)) < 1e-5);
+            }
         }
         enc_interpolator_destroy(&made);
     }
@@ -109,8 +111,9 @@ static void test_a_spline_of_five(void **state) {
     enc_direction list[5];
     const double theta = 2 * atan(side * sqrt(2)) * 180 / 3.14159265358979;
     list[0] = enc_direction_from_angles(0, 0);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         list[i + 1] = enc_direction_from_angles(theta, 45 + 90 * i);
+    }
     enc_interpolator *made = make(list, 5, ENC_INTERPOLATE_SPLINE);
     /* It is c (4 k(d) - sum over corners of k(d - corner)) + constant with k(r) = r^2 log r: the
      * coefficients of the kernels sum to zero, and so do their moments. The bracket in the middle and at a
@@ -149,8 +152,9 @@ static void test_a_line_has_no_spline(void **state) {
     (void)state;
     const enc_context telling = {.threads = 1, .log = {keep, NULL}};
     enc_direction list[3];
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         list[i] = enc_direction_from_angles(30 * i, 0);
+    }
     enc_interpolator *made = NULL;
     assert_int_equal(enc_interpolator_create(&telling, "lights", list, 3, ENC_INTERPOLATE_SPLINE, &made),
                      BTF_ERROR_UNSUPPORTED);
@@ -191,12 +195,14 @@ static enc_data *affine_data(bool squared, size_t memory) {
     float *one = malloc(enc_data_texel_stride(data) * sizeof *one);
     for (size_t t = 0; t < 6; t++) {
         size_t i = 0;
-        for (int v = 0; v < n_views; v++)
-            for (size_t c = 0; c < 3; c++)
+        for (int v = 0; v < n_views; v++) {
+            for (size_t c = 0; c < 3; c++) {
                 for (int l = 0; l < n_lights; l++) {
                     const double f = affine(views[v].xyz, lights[l].xyz, t, c);
                     one[i++] = (float)(squared ? f * f : f);
                 }
+            }
+        }
         assert_int_equal(enc_data_store_texels(&least, data, t, 1, one), BTF_OK);
     }
     assert_int_equal(enc_data_complete(&least, data, BTF_OK), BTF_OK);
@@ -210,8 +216,9 @@ enum { PAIRS = 50, FLOATS = 3 * 6 };
 
 static void random_pairs(enc_pair pairs[PAIRS]) {
     random_state r = {11};
-    for (int p = 0; p < PAIRS; p++)
+    for (int p = 0; p < PAIRS; p++) {
         pairs[p] = (enc_pair){.view = somewhere(&r, 55), .light = somewhere(&r, 25)};
+    }
 }
 
 static void blend(const enc_data *data, enc_interpolation kind, const enc_pair *pairs, float *out) {
@@ -251,9 +258,11 @@ static void test_nearest_takes_one_sample(void **state) {
     for (size_t i = 0; i < PAIRS * FLOATS; i++) {
         const float *samples = data->samples + i % FLOATS / 3 * enc_data_texel_stride(data);
         bool found = false;
-        for (int v = 0; v < data->n_views; v++)
-            for (int l = 0; l < data->n_lights; l++)
+        for (int v = 0; v < data->n_views; v++) {
+            for (int l = 0; l < data->n_lights; l++) {
                 found = found || samples[(v * 3 + (int)(i % 3)) * data->n_lights + l] == images[i];
+            }
+        }
         assert_true(found);
     }
     enc_data_destroy(&data);

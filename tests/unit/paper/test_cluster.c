@@ -57,8 +57,9 @@ static void test_shares_by_largest_remainder(void **state) {
     assert_int_equal(shares[1], 8);
     assert_true(shares[3] == 40 || shares[3] == 41); /* 40.5 */
     enc_cluster_shares(5, hidden, distinct, 0, shares);
-    for (int v = 0; v < 5; v++)
+    for (int v = 0; v < 5; v++) {
         assert_int_equal(shares[v], 0);
+    }
 }
 
 static void test_shares_always_add_up(void **state) {
@@ -70,8 +71,9 @@ static void test_shares_always_add_up(void **state) {
         for (int v = 0; v < n; v++) {
             hidden[v] = uniform() < 0.3f ? 0 : 1 + (size_t)(uniform() * uniform() * 5000);
             distinct[v] = hidden[v] == 0 ? 0 : 1 + (size_t)(uniform() * (float)(hidden[v] - 1));
-            if (uniform() < 0.5f)
+            if (uniform() < 0.5f) {
                 distinct[v] = hidden[v];
+            }
             all += distinct[v];
             points += hidden[v];
             active += hidden[v] > 0;
@@ -99,10 +101,12 @@ static void test_shares_always_add_up(void **state) {
 enum { VIEWS = 3, LIGHTS = 5, PROFILE = 3 * LIGHTS };
 static enc_data *make_data(const enc_context *with, int width, int height, enc_occlusion **out_occlusion) {
     enc_direction views[VIEWS], lights[LIGHTS];
-    for (int v = 0; v < VIEWS; v++)
+    for (int v = 0; v < VIEWS; v++) {
         views[v] = enc_direction_from_angles(v == 0 ? 0 : 30, 90.0 * v);
-    for (int l = 0; l < LIGHTS; l++)
+    }
+    for (int l = 0; l < LIGHTS; l++) {
         lights[l] = enc_direction_from_angles(l == 0 ? 0 : 40, 80.0 * l);
+    }
     enc_data *data = NULL;
     assert_int_equal(enc_data_create(with, width, height, VIEWS, views, LIGHTS, lights, &data), BTF_OK);
     const size_t texels = enc_data_texel_count(data);
@@ -121,8 +125,9 @@ static float worst_root_error(const enc_data *data, const enc_occlusion *o, cons
     for (size_t v = 0; v < VIEWS; v++) {
         for (size_t t = 0; t < o->n_texels; t++) {
             const size_t i = v * o->n_texels + t;
-            if (!o->hidden[i])
+            if (!o->hidden[i]) {
                 continue;
+            }
             assert_true(o->centre[i] < c->k);
             const float *profile = data->samples + (t * VIEWS + v) * PROFILE;
             for (size_t l = 0; l < LIGHTS; l++) {
@@ -143,32 +148,41 @@ static void test_separable_clusters(void **state) {
         enc_data *data = make_data(&context, 12, 10, &o);
         random_state = 17;
         float prototype[2][4][PROFILE];
-        for (size_t i = 0; i < 2; i++)
-            for (size_t j = 0; j < 4; j++)
-                for (size_t k = 0; k < PROFILE; k++)
+        for (size_t i = 0; i < 2; i++) {
+            for (size_t j = 0; j < 4; j++) {
+                for (size_t k = 0; k < PROFILE; k++) {
                     prototype[i][j][k] = 0.1f + 3 * uniform();
-        for (size_t t = 0; t < 120; t++)
-            for (size_t v = 1; v < VIEWS; v++)
-                for (size_t k = 0; k < PROFILE; k++)
+                }
+            }
+        }
+        for (size_t t = 0; t < 120; t++) {
+            for (size_t v = 1; v < VIEWS; v++) {
+                for (size_t k = 0; k < PROFILE; k++) {
                     profile_of(data, t, (int)v)[k] = prototype[v - 1][t % 4][k] + 0.01f * uniform();
+                }
+            }
+        }
         const enc_cluster_options options = {.linear = variant & 1, .data_points = variant >> 1};
         enc_centres *c = NULL;
         assert_int_equal(enc_cluster(&context, data, &options, 8, o, &c), BTF_OK);
         assert_int_equal(c->k, 8);
         assert_int_equal(c->n_lights, LIGHTS);
         /* 4 centres a view, one a prototype */
-        for (size_t v = 1; v < VIEWS; v++)
+        for (size_t v = 1; v < VIEWS; v++) {
             for (size_t t = 0; t < 120; t++) {
                 const size_t i = v * 120 + t;
                 assert_int_equal(o->centre[i], o->centre[v * 120 + t % 4]);
                 assert_true(o->centre[i] / 4 == v - 1);
             }
-        for (size_t i = 0; i < 120; i++)
+        }
+        for (size_t i = 0; i < 120; i++) {
             assert_int_equal(o->centre[i], 0);
+        }
         assert_true(worst_root_error(data, o, c) < c->scale / 2 + 0.01f * 0.5f / sqrtf(0.1f));
         uint8_t most = 0;
-        for (size_t i = 0; i < 8 * PROFILE; i++)
+        for (size_t i = 0; i < 8 * PROFILE; i++) {
             most = c->codes[i] > most ? c->codes[i] : most;
+        }
         assert_int_equal(most, 255);
         enc_centres_destroy(&c);
         enc_occlusion_destroy(&o);
@@ -184,9 +198,11 @@ static void test_split(void **state) {
     size_t order[ROWS], first[ROWS / MOST * 2 + 3], parts;
     uint8_t seen[ROWS] = {0};
     random_state = 5;
-    for (size_t i = 0; i < ROWS; i++)
-        for (size_t d = 0; d < 9; d++)
+    for (size_t i = 0; i < ROWS; i++) {
+        for (size_t d = 0; d < 9; d++) {
             rows[i][d] = uniform() + (d == 6 && i % 2 ? 4.0f : 0.0f);
+        }
+    }
     assert_int_equal(enc_cluster_split(ROWS, STRIDE, rows[0], MOST, order, first, &parts), BTF_OK);
     assert_true(parts == 8 && first[0] == 0 && first[parts] == ROWS);
     for (size_t part = 0; part < parts; part++) {
@@ -210,13 +226,18 @@ static void test_parts_of_a_view(void **state) {
     enc_data *data = make_data(&context, 70, 60, &o);
     random_state = 17;
     float prototype[2][2][PROFILE];
-    for (size_t i = 0; i < 4; i++)
-        for (size_t k = 0; k < PROFILE; k++)
+    for (size_t i = 0; i < 4; i++) {
+        for (size_t k = 0; k < PROFILE; k++) {
             prototype[i / 2][i % 2][k] = 0.1f + 3 * uniform();
-    for (size_t t = 0; t < TEXELS; t++)
-        for (size_t v = 1; v < VIEWS; v++)
-            for (size_t k = 0; k < PROFILE; k++)
+        }
+    }
+    for (size_t t = 0; t < TEXELS; t++) {
+        for (size_t v = 1; v < VIEWS; v++) {
+            for (size_t k = 0; k < PROFILE; k++) {
                 profile_of(data, t, (int)v)[k] = prototype[v - 1][t % 2][k] + 0.01f * uniform();
+            }
+        }
+    }
     enc_centres *c = NULL;
     assert_int_equal(enc_cluster(&context, data, NULL, 4, o, &c), BTF_OK);
     assert_int_equal(c->k, 4);
@@ -231,11 +252,12 @@ static void test_more_centres_than_points(void **state) {
     enc_occlusion *o = NULL;
     enc_data *data = make_data(&context, 10, 1, &o);
     random_state = 4;
-    for (size_t t = 0; t < 10; t++) /* view 1: 3 different points among 10; view 2: all different */
+    for (size_t t = 0; t < 10; t++) { /* view 1: 3 different points among 10; view 2: all different */
         for (size_t k = 0; k < PROFILE; k++) {
             profile_of(data, t, 1)[k] = (float)((t % 3) * 7 + k) / 40;
             profile_of(data, t, 2)[k] = uniform();
         }
+    }
     profile_of(data, 0, 1)[0] = -0.0f; /* the same point as +0 */
     enc_centres *c = NULL;
     assert_int_equal(enc_cluster(&context, data, NULL, 1984, o, &c), BTF_OK);
@@ -266,8 +288,9 @@ static void test_nothing_hidden_and_black(void **state) {
     assert_int_equal(enc_cluster(&context, data, NULL, 5, o, &c), BTF_OK); /* all black: one point a view */
     assert_int_equal(c->k, 2);
     assert_true(c->scale > 0 && isfinite(c->scale));
-    for (size_t i = 0; i < 2 * PROFILE; i++)
+    for (size_t i = 0; i < 2 * PROFILE; i++) {
         assert_int_equal(c->codes[i], 0);
+    }
     enc_centres_destroy(&c);
     assert_int_equal(enc_cluster(&context, data, NULL, 0, o, &c), BTF_ERROR_USAGE);
     assert_null(c);
@@ -276,8 +299,9 @@ static void test_nothing_hidden_and_black(void **state) {
     memset(o->centre, 77, VIEWS * 16 * sizeof *o->centre);
     assert_int_equal(enc_cluster(&context, data, NULL, 0, o, &c), BTF_OK);
     assert_int_equal(c->k, 0);
-    for (size_t i = 0; i < VIEWS * 16; i++)
+    for (size_t i = 0; i < VIEWS * 16; i++) {
         assert_int_equal(o->centre[i], 0);
+    }
     enc_centres_destroy(&c);
     enc_centres_destroy(&c);
     enc_occlusion_destroy(&o);
@@ -300,12 +324,14 @@ static void test_same_result_everywhere(void **state) {
         random_state = 8;
         float samples[VIEWS * PROFILE];
         for (size_t t = 0; t < 256; t++) {
-            for (size_t i = 0; i < VIEWS * PROFILE; i++)
+            for (size_t i = 0; i < VIEWS * PROFILE; i++) {
                 samples[i] = uniform() * uniform();
+            }
             assert_int_equal(enc_data_store_texels(with, data, t, 1, samples), BTF_OK);
         }
-        for (size_t t = 0; t < 256; t++)
+        for (size_t t = 0; t < 256; t++) {
             o->hidden[256 + t] = t % 3 == 0;
+        }
         enc_centres *c = NULL;
         assert_int_equal(enc_cluster(with, data, &options, 40, o, &c), BTF_OK);
         if (k == 0) {
@@ -316,10 +342,11 @@ static void test_same_result_everywhere(void **state) {
                 c->scale == first->scale && memcmp(c->codes, first->codes, 40 * PROFILE) == 0 &&
                 memcmp(o->centre, first_occlusion->centre, VIEWS * 256 * sizeof *o->centre) == 0;
             assert_int_equal(c->k, 40);
-            if (k < 4)
+            if (k < 4) {
                 assert_true(same);
-            else
+            } else {
                 seed_matters = !same;
+            }
             enc_centres_destroy(&c);
             enc_occlusion_destroy(&o);
         }
@@ -337,8 +364,9 @@ static void test_kmeans_with_duplicates(void **state) {
     uint32_t index[N];
     size_t distinct;
     memset(points, 0, sizeof points);
-    for (int i = 0; i < N; i++)
+    for (int i = 0; i < N; i++) {
         points[i * STRIDE] = i < 38 ? 1 : i == 38 ? 2 : 1e-20f;
+    }
     assert_int_equal(enc_kmeans_distinct(N, STRIDE, points, &distinct), BTF_OK);
     assert_int_equal(distinct, 3);
     /* as many centres as different points: each its own; one more: nothing breaks */
@@ -361,15 +389,18 @@ static void test_nearest_against_brute_force(void **state) {
     static float points[N * STRIDE], centres[K * STRIDE], squares[N];
     static uint32_t index[N];
     random_state = 21;
-    for (int i = 0; i < N * STRIDE; i++)
+    for (int i = 0; i < N * STRIDE; i++) {
         points[i] = uniform() * (float)(1 + i / STRIDE % 5);
-    for (int i = 0; i < K * STRIDE; i++)
+    }
+    for (int i = 0; i < K * STRIDE; i++) {
         centres[i] = uniform() * (float)(1 + i / STRIDE % 5);
+    }
     memcpy(centres + 7 * STRIDE, centres + 3 * STRIDE,
            STRIDE * sizeof *centres); /* equals: the lower one */
     memcpy(points, centres + 3 * STRIDE, STRIDE * sizeof *points);
-    for (int i = 0; i < N; i++)
+    for (int i = 0; i < N; i++) {
         index[i] = (uint32_t)i % K;
+    }
     index[0] = 7;
     assert_int_equal(enc_kmeans_nearest(N, STRIDE, points, K, centres, index, squares, NULL), BTF_OK);
     assert_int_equal(index[0], 3);
@@ -378,8 +409,9 @@ static void test_nearest_against_brute_force(void **state) {
         uint32_t best = 0;
         for (uint32_t j = 0; j < K; j++) {
             double d = 0;
-            for (int k = 0; k < STRIDE; k++)
+            for (int k = 0; k < STRIDE; k++) {
                 d += pow((double)points[i * STRIDE + k] - (double)centres[j * STRIDE + (uint32_t)k], 2);
+            }
             if (d < least) {
                 least = d;
                 best = j;

@@ -42,9 +42,10 @@ static void texture(int width, int height, unsigned seed, float *out) {
     for (int r = 0; r < height; r++) {
         for (int c = 0; c < width; c++) {
             double sum = 0;
-            for (int k = 0; k < WAVES; k++)
+            for (int k = 0; k < WAVES; k++) {
                 sum += cos(6.283185307179586 * ((double)fx[k] * c / width + (double)fy[k] * r / height) +
                            phase[k]);
+            }
             const double v = 1 + 3 * sum / weight;
             out[r * width + c] = (float)(v < 0.2 ? 0.2 : v > 1.8 ? 1.8 : v);
         }
@@ -54,22 +55,25 @@ static void texture(int width, int height, unsigned seed, float *out) {
 /* out(x) = in(x + shift) * scale. */
 static void translate(int width, int height, const float *in, int columns, int rows, float scale,
                       float *out) {
-    for (size_t t = 0; t < (size_t)width * (size_t)height; t++)
+    for (size_t t = 0; t < (size_t)width * (size_t)height; t++) {
         out[t] = scale * in[enc_occlusion_source(width, height, t, columns, rows)];
+    }
 }
 
 /* Texels whose flow rounds to (columns, rows). */
 static int count_flow(const float *flow, int columns, int rows) {
     int n = 0;
-    for (int t = 0; t < TEXELS; t++)
+    for (int t = 0; t < TEXELS; t++) {
         n += lrintf(flow[2 * t]) == columns && lrintf(flow[2 * t + 1]) == rows;
+    }
     return n;
 }
 
 static int count_bytes(const uint8_t *bytes, size_t n) {
     int sum = 0;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         sum += bytes[i] != 0;
+    }
     return sum;
 }
 
@@ -102,14 +106,18 @@ static void test_pair_hides_brightness_jump(void **state) {
     (void)state;
     texture(SIDE, SIDE, 9, top);
     memcpy(target, top, sizeof target);
-    for (int r = 10; r < 22; r++)
-        for (int c = 10; c < 22; c++)
+    for (int r = 10; r < 22; r++) {
+        for (int c = 10; c < 22; c++) {
             target[r * SIDE + c] *= 4;
+        }
+    }
     assert_int_equal(enc_flow_pair(&context, SIDE, SIDE, target, top, NULL, flow, hidden), BTF_OK);
     int inside = 0;
-    for (int r = 10; r < 22; r++)
-        for (int c = 10; c < 22; c++)
+    for (int r = 10; r < 22; r++) {
+        for (int c = 10; c < 22; c++) {
             inside += hidden[r * SIDE + c];
+        }
+    }
     assert_true(inside >= 144 * 8 / 10);
     assert_true(count_bytes(hidden, TEXELS) - inside <= (TEXELS - 144) / 10);
     /* a tolerance above the jump finds nothing but the flow's own misses */
@@ -135,16 +143,19 @@ static void test_pair_lies_anyhow(void **state) {
     static uint8_t seen[N], laid_hidden[N];
     texture(WIDE, HIGH, 21, image[1]);
     texture(WIDE, HIGH, 22, flow);
-    for (int t = 0; t < N; t++)
+    for (int t = 0; t < N; t++) {
         image[0][t] =
             (1 + 0.3f * flow[t]) *
             image[1][enc_occlusion_source(WIDE, HIGH, (size_t)t, t % WIDE < 14 ? 3 : -1, t / WIDE / 9)];
+    }
     assert_int_equal(enc_flow_pair(&context, WIDE, HIGH, image[0], image[1], NULL, found, seen), BTF_OK);
     assert_true(count_bytes(seen, N) > N / 10);
     for (int how = 1; how < 8; how++) {
-        for (int t = 0; t < N; t++)
-            for (int k = 0; k < 2; k++)
+        for (int t = 0; t < N; t++) {
+            for (int k = 0; k < 2; k++) {
                 laid[k][lying(how, WIDE, HIGH, t)] = image[k][t];
+            }
+        }
         assert_int_equal(enc_flow_pair(&context, how & 4 ? HIGH : WIDE, how & 4 ? WIDE : HIGH, laid[0],
                                        laid[1], NULL, laid_flow, laid_hidden),
                          BTF_OK);
@@ -156,8 +167,9 @@ static void test_pair_lies_anyhow(void **state) {
             same += fabsf((how & 1 ? -x : x) - found[2 * t]) < 0.01f &&
                     fabsf((how & 2 ? -y : y) - found[2 * t + 1]) < 0.01f && laid_hidden[at] == seen[t];
         }
-        if (same < N * 99 / 100)
+        if (same < N * 99 / 100) {
             print_error("lying %d: %d of %d texels the same\n", how, same, N);
+        }
         assert_true(same >= N * 99 / 100);
     }
 }
@@ -185,8 +197,9 @@ static void test_pair_of_any_size(void **state) {
         texture(width, height, 3, top);
         texture(width, height, 4, target);
         assert_int_equal(enc_flow_pair(&context, width, height, target, top, NULL, flow, hidden), BTF_OK);
-        for (int t = 0; t < 2 * width * height; t++)
+        for (int t = 0; t < 2 * width * height; t++) {
             assert_true(isfinite(flow[t]));
+        }
     }
 }
 
@@ -197,8 +210,9 @@ static enc_data *moved_views(const enc_context *with, int width, int height, con
     enc_direction views[VIEWS] = {enc_direction_from_angles(0, 0), enc_direction_from_angles(30, 0),
                                   enc_direction_from_angles(30, 90), enc_direction_from_angles(30, 135)};
     enc_direction lights[LIGHTS];
-    for (int l = 0; l < LIGHTS; l++)
+    for (int l = 0; l < LIGHTS; l++) {
         lights[l] = enc_direction_from_angles(l == 0 ? 0 : 45, l == 0 ? 0 : 45.0 * (l - 1));
+    }
     enc_data *data = NULL;
     assert_int_equal(enc_data_create(with, width, height, VIEWS, views, LIGHTS, lights, &data), BTF_OK);
     const size_t texels = enc_data_texel_count(data), stride = enc_data_texel_stride(data);
@@ -206,12 +220,15 @@ static enc_data *moved_views(const enc_context *with, int width, int height, con
     assert_true(image && samples);
     for (int l = 0; l < LIGHTS; l++) {
         texture(width, height, (unsigned)(100 + l), image);
-        for (int v = 0; v < VIEWS; v++)
-            for (size_t t = 0; t < texels; t++)
-                for (int c = 0; c < 3; c++)
+        for (int v = 0; v < VIEWS; v++) {
+            for (size_t t = 0; t < texels; t++) {
+                for (int c = 0; c < 3; c++) {
                     samples[t * stride + (size_t)((v * 3 + c) * LIGHTS + l)] =
                         image[enc_occlusion_source(width, height, t, shifts[v][0], shifts[v][1])] *
                         (float)(3 - c) / 4;
+                }
+            }
+        }
     }
     assert_int_equal(enc_data_store_texels(with, data, 0, texels, samples), BTF_OK);
     free(image);
@@ -260,16 +277,21 @@ static void test_vote_hides_what_the_top_view_lacks(void **state) {
     (void)state;
     static const int still[VIEWS][2] = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
     enc_data *data = moved_views(&context, SIDE, SIDE, still);
-    for (int r = 20; r < 32; r++)
-        for (int c = 20; c < 32; c++)
-            for (int k = 0; k < 3 * LIGHTS; k++) /* view 2 */
+    for (int r = 20; r < 32; r++) {
+        for (int c = 20; c < 32; c++) {
+            for (int k = 0; k < 3 * LIGHTS; k++) { /* view 2 */
                 data->samples[((size_t)(r * SIDE + c) * VIEWS + 2) * 3 * LIGHTS + (size_t)k] = 0.1f;
+            }
+        }
+    }
     enc_occlusion *o = NULL;
     assert_int_equal(enc_flow_vote(&context, data, NULL, &o), BTF_OK);
     size_t inside = 0;
-    for (int r = 20; r < 32; r++)
-        for (int c = 20; c < 32; c++)
+    for (int r = 20; r < 32; r++) {
+        for (int c = 20; c < 32; c++) {
             inside += o->hidden[2 * TEXELS + r * SIDE + c];
+        }
+    }
     assert_true(inside >= 144 * 8 / 10);
     assert_true(enc_occlusion_hidden_count(o, 2) - inside <= TEXELS / 10);
     assert_true(enc_occlusion_hidden_count(o, 1) <= TEXELS / 100);
@@ -281,8 +303,9 @@ static void test_vote_hides_what_the_top_view_lacks(void **state) {
     /* a light in three: ratios are thirds */
     const enc_flow_options few = {.lights = 3};
     assert_int_equal(enc_flow_vote(&context, data, &few, &o), BTF_OK);
-    for (size_t i = 0; i < (size_t)VIEWS * TEXELS; i++)
+    for (size_t i = 0; i < (size_t)VIEWS * TEXELS; i++) {
         assert_true(fabsf(3 * o->ratio[i] - rintf(3 * o->ratio[i])) < 1e-6f);
+    }
     enc_occlusion_destroy(&o);
     enc_data_destroy(&data);
 }
@@ -292,13 +315,15 @@ static void test_vote_of_a_constant(void **state) {
     static const int still[VIEWS][2] = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
     for (int value = 0; value < 2; value++) {
         enc_data *data = moved_views(&context, 16, 16, still);
-        for (size_t i = 0; i < 256 * enc_data_texel_stride(data); i++)
+        for (size_t i = 0; i < 256 * enc_data_texel_stride(data); i++) {
             data->samples[i] = 0.25f * (float)value;
+        }
         enc_occlusion *o = NULL;
         assert_int_equal(enc_flow_vote(&context, data, NULL, &o), BTF_OK);
         assert_int_equal(enc_occlusion_hidden_count(o, -1), 0);
-        for (int v = 0; v < VIEWS; v++)
+        for (int v = 0; v < VIEWS; v++) {
             assert_int_equal(count_shift(o, v, 0, 0), 256);
+        }
         enc_occlusion_destroy(&o);
         enc_data_destroy(&data);
     }
@@ -405,15 +430,17 @@ static void test_sample_bricks(void **state) {
     (void)state;
     enum { BRICK_VIEWS = 9, BRICK_LIGHTS = 13 };
     enc_direction views[BRICK_VIEWS], lights[BRICK_LIGHTS];
-    for (int v = 0; v < BRICK_VIEWS; v++)
+    for (int v = 0; v < BRICK_VIEWS; v++) {
         views[v] = v == 0  ? enc_direction_from_angles(0, 0)
                    : v < 7 ? enc_direction_from_angles(30, 60.0 * (v - 1))
                            : enc_direction_from_angles(60, 130.0 * (v - 7));
-    for (int l = 0; l < BRICK_LIGHTS; l++)
+    }
+    for (int l = 0; l < BRICK_LIGHTS; l++) {
         lights[l] = enc_direction_from_angles(l == 0  ? 0
                                               : l < 7 ? 30
                                                       : 60,
                                               l == 0 ? 0 : 60.0 * ((l - 1) % 6));
+    }
     const sample_options options = {.context = &context,
                                     .relief = RELIEF_BRICKS,
                                     .supersample = 1,
@@ -428,11 +455,12 @@ static void test_sample_bricks(void **state) {
     assert_int_equal(enc_flow_vote(&context, data, NULL, &o), BTF_OK);
     enc_flow_ring rings[3];
     assert_int_equal(enc_flow_error(data, o, truth->shift, truth->hidden, 2, rings, 3), 3);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         printf("ring %g: error %.2f, no motion %.2f; of %zu points that moved > 2 texels %.2f, no motion "
                "%.2f\n",
                rings[i].theta, rings[i].error, rings[i].zero, rings[i].moved, rings[i].moved_error,
                rings[i].moved_zero);
+    }
     assert_true(rings[1].moved > 1000);
     assert_true(rings[1].moved_error <= 2.0);
     assert_true(rings[1].error < rings[1].zero);
@@ -484,9 +512,11 @@ static void test_shift_arithmetic(void **state) {
     assert_int_equal(enc_occlusion_source(5, 3, 7, -128, 127),
                      (size_t)(((1 + 127) % 3) * 5 + (2 - 128 + 130) % 5));
     const int8_t order[][2] = {{0, 0}, {0, -1}, {-1, 0}, {1, 0}, {0, 1}, {-1, -1}, {1, -1}, {2, 0}};
-    for (int i = 0; i < 8; i++)
-        for (int j = 0; j < 8; j++)
+    for (int i = 0; i < 8; i++) {
+        for (int j = 0; j < 8; j++) {
             assert_int_equal(enc_occlusion_compare_shift(order[i], order[j]), (i > j) - (i < j));
+        }
+    }
 }
 
 int main(void) {

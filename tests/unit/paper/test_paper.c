@@ -82,8 +82,9 @@ static void test_bricks(void **state) {
     enc_occlusion *occlusion = NULL;
     enc_paper_stats stats;
     enc_paper_options paper = enc_paper_options_default();
-    if (!is_long)
+    if (!is_long) {
         paper.flow.lights = 27; /* the vote below, which is measured, has all */
+    }
     assert_int_equal(sample_render(&options, &data, &truth), BTF_OK);
     assert_int_equal(enc_paper(&context, data, &paper, &solution, &occlusion, &stats), BTF_OK);
 
@@ -125,7 +126,8 @@ static void test_bricks(void **state) {
 static void test_flat(void **state) {
     (void)state;
     const int flat_side = is_long ? 32 : 16;
-    const sample_options options = {.context = &context, .relief = RELIEF_FLAT, .width = flat_side, .height = flat_side};
+    const sample_options options = {
+        .context = &context, .relief = RELIEF_FLAT, .width = flat_side, .height = flat_side};
     enc_data *data = NULL;
     enc_solution solution;
     enc_paper_stats stats;

@@ -37,18 +37,22 @@ static double sample(int texel, const enc_direction *v, const enc_direction *l, 
 static enc_data *make_data(const enc_context *context, int period, double stray) {
     enc_direction list[DIRECTIONS];
     enc_data *data = NULL;
-    for (int i = 0; i < DIRECTIONS; i++)
+    for (int i = 0; i < DIRECTIONS; i++) {
         list[i] = enc_direction_from_angles(i == 0 ? 0 : i < 7 ? 30 : 60, 60.0 * ((i + 5) % 6));
+    }
     assert_int_equal(enc_data_create(context, SIDE, SIDE, DIRECTIONS, list, DIRECTIONS, list, &data),
                      BTF_OK);
     float *texel = malloc(enc_data_texel_stride(data) * sizeof *texel);
     assert_non_null(texel);
     for (int t = 0; t < TEXELS; t++) {
-        for (int v = 0; v < DIRECTIONS; v++)
-            for (int c = 0; c < 3; c++)
-                for (int l = 0; l < DIRECTIONS; l++)
+        for (int v = 0; v < DIRECTIONS; v++) {
+            for (int c = 0; c < 3; c++) {
+                for (int l = 0; l < DIRECTIONS; l++) {
                     texel[(v * 3 + c) * DIRECTIONS + l] =
                         (float)sample(t, list + v, list + l, v * DIRECTIONS + l, c, period, stray);
+                }
+            }
+        }
         assert_int_equal(enc_data_store_texels(context, data, (size_t)t, 1, texel), BTF_OK);
     }
     free(texel);
@@ -68,13 +72,14 @@ static enc_paper_options options_of(bool rgb, bool choose) {
 /* The albedo that is nearest to the samples of a texel. */
 static double albedo_of(const enc_data *data, int texel, int channel, int period, double stray) {
     double aa = 0, ab = 0;
-    for (int v = 0; v < DIRECTIONS; v++)
+    for (int v = 0; v < DIRECTIONS; v++) {
         for (int l = 0; l < DIRECTIONS; l++) {
             const double a = (double)data->lights[l].xyz[2];
             aa += a * a;
             ab += a * (double)(float)sample(texel, data->views + v, data->lights + l, v * DIRECTIONS + l,
                                             channel, period, stray);
         }
+    }
     return ab / aa;
 }
 
@@ -88,8 +93,9 @@ static void assert_diffuse(const enc_data *data, const enc_solution *s, int peri
             const double want = albedo_of(data, t, c, period, stray);
             assert_true(fabs(seen - want) <= 1e-6 * want);
         }
-        for (size_t i = head; i < stride; i++)
+        for (size_t i = head; i < stride; i++) {
             assert_true(p[i] == 0);
+        }
     }
 }
 
@@ -172,8 +178,9 @@ static void test_left_alone(void **state) {
         assert_false(stats.diffuse);
         assert_int_equal(h.warnings, 0);
         bool lobe = false;
-        for (int t = 0; t < TEXELS; t++)
+        for (int t = 0; t < TEXELS; t++) {
             lobe = lobe || s.sbrdf->values[(size_t)t * enc_sbrdf_stride(3, false) + 7] > 0;
+        }
         assert_true(lobe);
         enc_solution_clear(&s);
         enc_data_destroy(&data);
@@ -218,8 +225,9 @@ static void test_same_bits(void **state) {
                             TEXELS * enc_sbrdf_stride(3, false) * sizeof(float));
         enc_data_destroy(&data);
     }
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         enc_solution_clear(&s[i]);
+    }
 }
 
 int main(void) {

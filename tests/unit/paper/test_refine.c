@@ -39,10 +39,12 @@ static scene make_scene(const enc_context *with, int width, int height, int n_vi
     scene s = {0};
     random_state = 99;
     enc_direction views[8], lights[40];
-    for (int v = 0; v < n_views; v++)
+    for (int v = 0; v < n_views; v++) {
         views[v] = enc_direction_from_angles(v == 0 ? 0 : 50, 40.0 * v);
-    for (int l = 0; l < n_lights; l++)
+    }
+    for (int l = 0; l < n_lights; l++) {
         lights[l] = enc_direction_from_angles(l == 0 ? 0 : 10 + 70.0 * l / n_lights, 47.0 * l);
+    }
     assert_int_equal(enc_data_create(with, width, height, n_views, views, n_lights, lights, &s.data),
                      BTF_OK);
     const size_t texels = enc_data_texel_count(s.data), stride = enc_data_texel_stride(s.data);
@@ -53,8 +55,9 @@ static scene make_scene(const enc_context *with, int width, int height, int n_vi
     for (size_t i = 0; i < texels * stride;
          i += profile) { /* one profile in three is too bright to match */
         const float scale = uniform() < 0.33f ? 2.5f : 1;
-        for (size_t k = 0; k < profile; k++)
+        for (size_t k = 0; k < profile; k++) {
             samples[i + k] = scale * uniform();
+        }
     }
     assert_int_equal(enc_data_store_texels(with, s.data, 0, texels, samples), BTF_OK);
     free(samples);
@@ -62,14 +65,16 @@ static scene make_scene(const enc_context *with, int width, int height, int n_vi
     for (size_t t = 0; t < texels; t++) {
         float *p = s.sbrdf->values + t * enc_sbrdf_stride(1, false);
         p[0] = 1;
-        for (int k = 1; k < 4; k++)
+        for (int k = 1; k < 4; k++) {
             p[k] = 0.25f + 0.75f * uniform();
+        }
         p[4] = p[5] = -1;
         p[6] = 1;
         p[7] = 1 + 4 * uniform();
     }
-    for (size_t i = 0; i < texels * (size_t)n_lights; i++)
+    for (size_t i = 0; i < texels * (size_t)n_lights; i++) {
         s.shadow[i] = (uint8_t)(uniform() * 256);
+    }
     assert_int_equal(enc_occlusion_create(n_views, texels, &s.occlusion), BTF_OK);
     for (size_t i = 0; i < (size_t)n_views * texels; i++) {
         s.occlusion->hidden[i] = i >= texels && uniform() < 0.6f;
@@ -91,8 +96,9 @@ static double stvs(const scene *s, size_t texel, int view, int light, int channe
     const float *p = s->sbrdf->values + texel * enc_sbrdf_stride(1, false);
     const float *l = s->data->lights[light].xyz, *v = s->data->views[view].xyz;
     double base = 0;
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; k++) {
         base += (double)p[4 + k] * (double)l[k] * (double)v[k];
+    }
     const double lobe = base > 0 ? pow(base, (double)p[7]) : 0;
     const double shadow = s->shadow[(size_t)light * s->sbrdf->n_texels + texel] / 255.0;
     return fmax((double)l[2], 0) * (double)p[channel] * ((double)p[3] + lobe) * shadow;
@@ -144,8 +150,9 @@ static void test_against_brute_force(void **state) {
             assert_true(fabs(mean - (double)thresholds[v]) < 1e-5 * mean);
             for (size_t t = 0; t < TEXELS; t++) {
                 const size_t i = (size_t)(v * TEXELS) + t;
-                if (!before.occlusion->hidden[i])
+                if (!before.occlusion->hidden[i]) {
                     continue;
+                }
                 const int w = size == 0 ? WIDTH : windows[size][0],
                           h = size == 0 ? HEIGHT : windows[size][1];
                 double least = INFINITY;
@@ -189,10 +196,12 @@ static void test_known_points_are_elevated(void **state) {
         const bool known = t % 7 == 3, strange = t % 7 == 5;
         s.occlusion->hidden[TEXELS + t] = known || strange;
         const size_t source = enc_occlusion_source(WIDTH, HEIGHT, t, known ? 4 : 0, known ? -3 : 0);
-        for (int l = 0; l < LIGHTS; l++)
-            for (int c = 0; c < 3; c++)
+        for (int l = 0; l < LIGHTS; l++) {
+            for (int c = 0; c < 3; c++) {
                 profile[c * LIGHTS + l] =
                     strange ? 5 : (float)stvs(&s, source, view, l, c) + (known ? 0 : 0.02f * uniform());
+            }
+        }
     }
     assert_int_equal(enc_refine(&context, s.data, s.sbrdf, s.shadow, 1 / 255.0f, NULL, s.occlusion, NULL),
                      BTF_OK);
@@ -221,9 +230,11 @@ static void test_window_follows_the_vote(void **state) {
         const size_t source = enc_occlusion_source(WIDTH, HEIGHT, t, vote[0] + 4, vote[1] - 3);
         s.occlusion->hidden[TEXELS + t] = 1;
         memcpy(s.occlusion->shift + 2 * (TEXELS + t), vote, 2);
-        for (int l = 0; l < LIGHTS; l++)
-            for (int c = 0; c < 3; c++)
+        for (int l = 0; l < LIGHTS; l++) {
+            for (int c = 0; c < 3; c++) {
                 profile[c * LIGHTS + l] = (float)stvs(&s, source, 1, l, c);
+            }
+        }
     }
     assert_int_equal(enc_refine(&context, s.data, s.sbrdf, s.shadow, 1 / 255.0f, NULL, s.occlusion, NULL),
                      BTF_OK);
@@ -256,16 +267,19 @@ static void test_ties_prefer_short_shifts(void **state) {
     /* all sources are black, so all alike; one point that is not hidden is brighter than all others */
     for (size_t t = 0; t < TEXELS; t++) {
         s.occlusion->hidden[TEXELS + t] = t != 5;
-        for (int k = 0; k < 24; k++)
+        for (int k = 0; k < 24; k++) {
             s.data->samples[t * enc_data_texel_stride(s.data) + 24 + (size_t)k] = t == 5 ? 1 : 0.1f;
+        }
     }
     assert_int_equal(enc_refine(&context, s.data, s.sbrdf, s.shadow, 1 / 255.0f, NULL, s.occlusion, NULL),
                      BTF_OK);
     assert_int_equal(enc_occlusion_hidden_count(s.occlusion, 1), 0);
-    for (size_t t = 0; t < TEXELS; t++)
-        if (t != 5)
+    for (size_t t = 0; t < TEXELS; t++) {
+        if (t != 5) {
             assert_true(s.occlusion->shift[2 * (TEXELS + t)] == 0 &&
                         s.occlusion->shift[2 * (TEXELS + t) + 1] == 0);
+        }
+    }
     free_scene(&s);
 }
 
@@ -326,13 +340,15 @@ static void test_norms(void **state) {
     double sum = 0, first = 0;
     for (int i = 0; i < LANES; i++) {
         double square = 0;
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             square += pow((double)a[c * LANES + i] - (double)b[c * LANES + i], 2);
+        }
         sum += sqrt(square);
     }
-    for (int i = 0; i < 16; i++)
+    for (int i = 0; i < 16; i++) {
         first += sqrt(pow((double)a[i] - (double)b[i], 2) + pow((double)a[16 + i] - (double)b[16 + i], 2) +
                       pow((double)a[32 + i] - (double)b[32 + i], 2));
+    }
     for (int isa = ENC_ISA_BASE; isa <= ENC_ISA_AVX512; isa++) {
         enc_isa_limit((enc_isa)isa);
         const enc_norms norms = enc_norms_choose();

@@ -19,9 +19,10 @@
 #include <cmocka.h>
 
 static inline void assert_bits(float actual, float expected) {
-    if (bits_of(actual) != bits_of(expected))
+    if (bits_of(actual) != bits_of(expected)) {
         fail_msg("%.9g (%08X), expected %.9g (%08X)", (double)actual, bits_of(actual), (double)expected,
                  bits_of(expected));
+    }
 }
 
 static inline void assert_rgb(const float rgb[3], float r, float g, float b) {

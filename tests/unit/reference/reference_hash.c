@@ -85,10 +85,12 @@ static void hash_evaluation(const btf_ref_material *material, uint32_t seed) {
     uint32_t state = seed * 2u + 1u;
     for (int i = 0; i < ARGUMENTS; ++i) {
         btf_ref_options options = {.effects = UINT32_MAX, .components = UINT32_MAX};
-        if (random_below(&state, 2) != 0)
+        if (random_below(&state, 2) != 0) {
             options.effects = random_below(&state, 32) | (newest ? BTF_REF_RELIEF | BTF_REF_GLOSS : 0);
-        if (random_below(&state, 2) != 0)
+        }
+        if (random_below(&state, 2) != 0) {
             options.components = random_below(&state, MADE_COMPONENTS);
+        }
         options.interpolation = (int)random_below(&state, 2);
         options.filter = (int)random_below(&state, newest ? 3 : 2);
         float light[3], view[3], radiance[3];
@@ -100,8 +102,9 @@ static void hash_evaluation(const btf_ref_material *material, uint32_t seed) {
         }
         float u = random_float(&state, -2.0f, 4.0f), v = random_float(&state, -2.0f, 4.0f);
         btf_ref_evaluate(material, &options, u, v, light, view, radiance);
-        for (int c = 0; c < 3; ++c)
+        for (int c = 0; c < 3; ++c) {
             add(bits_of(radiance[c]));
+        }
     }
 }
 
@@ -147,8 +150,9 @@ static uint64_t hash_points(void) {
     hash = 14695981039346656037u;
     for (uint32_t kind = 0; kind < 48; ++kind) {
         make_material(800 + kind, kind, kind * 5 % 32, kind % 3 == 0, &storage, &material);
-        if (kind % 2)
+        if (kind % 2) {
             make_factors(kind, kind % 3 == 0, &factors, &material);
+        }
         make_points(kind, kind % 3 == 0, &storage, &material);
         hash_evaluation(&material, 8000 + kind);
     }
@@ -179,8 +183,9 @@ static uint64_t hash_relief(void) {
     hash = 14695981039346656037u;
     for (uint32_t kind = 0; kind < 96; ++kind) {
         make_material(600 + kind, kind, kind * 5 % 32, kind % 3 == 0, &storage, &material);
-        if (kind % 2)
+        if (kind % 2) {
             make_factors(kind, kind % 3 == 0, &factors, &material);
+        }
         make_relief(kind, kind % 4 == 0, &relief, &material);
         hash_evaluation(&material, 6000 + kind);
     }
@@ -204,12 +209,14 @@ static void flush_denormals(void) {
 
 /** Sixteen digits and a newline. */
 static void format_hash(uint64_t value, char out_text[17]) {
-    for (int i = 0; i < 16; ++i)
+    for (int i = 0; i < 16; ++i) {
         out_text[i] = "0123456789abcdef"[value >> (60 - 4 * i) & 15];
+    }
     out_text[16] = '\n';
 }
 
-static uint64_t (*const hashes[HASHES])(void) = {hash_all, hash_version_2, hash_points, hash_lists, hash_relief};
+static uint64_t (*const hashes[HASHES])(void) = {hash_all, hash_version_2, hash_points, hash_lists,
+                                                 hash_relief};
 static const uint64_t expected[HASHES] = {EXPECTED_HASH, EXPECTED_HASH_2, EXPECTED_HASH_3, EXPECTED_HASH_4,
                                           EXPECTED_HASH_5};
 
@@ -220,16 +227,20 @@ static int run(char out_text[HASHES * 17]) {
         result[i] = hashes[i]();
         as_expected = as_expected && result[i] == expected[i];
         format_hash(result[i], out_text + 17 * i);
-        if (i + 1 < HASHES)
+        if (i + 1 < HASHES) {
             out_text[17 * i + 16] = ' ';
+        }
     }
-    if (!btf_ref_self_test())
+    if (!btf_ref_self_test()) {
         return EXIT_UNSOUND;
-    if (!as_expected)
+    }
+    if (!as_expected) {
         return EXIT_DIFFERENT;
+    }
     flush_denormals();
-    for (int i = 0; i < HASHES; ++i)
+    for (int i = 0; i < HASHES; ++i) {
         without_denormals = without_denormals && hashes[i]() == result[i];
+    }
     return without_denormals ? 0 : EXIT_DENORMALS;
 }
 
@@ -242,15 +253,17 @@ void *memset(void *target, int value, size_t count);
 void *memcpy(void *restrict target, const void *restrict source, size_t count) {
     unsigned char *to = target;
     const unsigned char *from = source;
-    for (size_t i = 0; i < count; ++i)
+    for (size_t i = 0; i < count; ++i) {
         *(volatile unsigned char *)(to + i) = from[i];
+    }
     return target;
 }
 
 void *memset(void *target, int value, size_t count) {
     unsigned char *to = target;
-    for (size_t i = 0; i < count; ++i)
+    for (size_t i = 0; i < count; ++i) {
         *(volatile unsigned char *)(to + i) = (unsigned char)value;
+    }
     return target;
 }
 
@@ -308,14 +321,17 @@ int main(void) {
     char text[HASHES * 17];
     int status = run(text);
     fwrite(text, 1, sizeof text, stdout);
-    if (status == EXIT_UNSOUND)
+    if (status == EXIT_UNSOUND) {
         fprintf(stderr, "the self-test of the reference decoder refuses this build\n");
-    if (status == EXIT_DENORMALS)
+    }
+    if (status == EXIT_DENORMALS) {
         fprintf(stderr, "another hash with denormals flushed to zero\n");
+    }
     if (status == EXIT_DIFFERENT) {
         fprintf(stderr, "expected");
-        for (int i = 0; i < HASHES; ++i)
+        for (int i = 0; i < HASHES; ++i) {
             fprintf(stderr, " %016llx", (unsigned long long)expected[i]);
+        }
         fprintf(stderr, "\n");
     }
     return status;

@@ -18,13 +18,15 @@ static void test_log2(void **state) {
         double x = (double)float_of(bits), truth = log2(x);
         double error = fabs((double)btf_ref_log2(float_of(bits)) - truth);
         absolute = fmax(absolute, error);
-        if (truth != 0)
+        if (truth != 0) {
             relative = fmax(relative, error / fabs(truth));
+        }
     }
     print_message("log2: absolute %.3g, relative %.3g\n", absolute, relative);
     assert_true(absolute <= 1.05e-6 && relative <= 4.94e-7);
-    for (int k = -126; k <= 127; ++k)
+    for (int k = -126; k <= 127; ++k) {
         assert_bits(btf_ref_log2(ldexpf(1.0f, k)), (float)k);
+    }
 }
 
 static void test_exp2(void **state) {
@@ -40,8 +42,9 @@ static void test_exp2(void **state) {
     }
     print_message("exp2: relative %.3g\n", relative);
     assert_true(relative <= 1.04e-7);
-    for (int k = -60; k <= 40; ++k)
+    for (int k = -60; k <= 40; ++k) {
         assert_bits(btf_ref_exp2((float)k), ldexpf(1.0f, k));
+    }
     assert_bits(btf_ref_exp2(-0.0f), 1.0f);
     assert_bits(btf_ref_exp2(float_of(1)), 1.0f);
 }
@@ -69,12 +72,14 @@ static void test_pow(void **state) {
                            : float_of(0x3F000000u + random_bits(&random) % 0x01000000u); /* 0.5 to 2 */
         float n = random_parameter(&random);
         double t = (double)n * log2((double)base);
-        if (t < -59.99 || t > 39.99)
+        if (t < -59.99 || t > 39.99) {
             continue;
+        }
         double truth = pow((double)base, (double)n), error = fabs((double)btf_ref_pow(base, n) - truth);
         worst = fmax(worst, error / truth / (1.04e-7 + 3.84e-7 * fabs(t)));
-        if (base <= 1 && n >= 0)
+        if (base <= 1 && n >= 0) {
             absolute = fmax(absolute, error);
+        }
     }
     print_message("pow: %.3f of its bound, absolute %.3g for bases to 1\n", worst, absolute);
     assert_true(worst <= 1 && absolute <= 1.75e-7);
@@ -123,8 +128,9 @@ static void test_coordinate(void **state) {
         0x7F800000u, 0xFF800000u,                           /* infinite */
         0x7FC00000u, 0xFFC00001u, 0x7F800001u, 0x7F7FFFFFu,
     };
-    for (size_t i = 0; i < sizeof zero / sizeof *zero; ++i)
+    for (size_t i = 0; i < sizeof zero / sizeof *zero; ++i) {
         assert_int_equal(btf_ref_coordinate(float_of(zero[i]), 16384), 0);
+    }
     assert_int_equal(btf_ref_coordinate(0x1p-126f, 16384), 0);
     assert_int_equal(btf_ref_coordinate(-0x1p-126f, 16384),
                      0x3FFFFu * 16384u); /* just below 0: the far end */
@@ -144,8 +150,9 @@ static void test_coordinate(void **state) {
         uint32_t size = 1 + random_below(&random, 16384);
         double fixed = floor((double)c * 262144.0);
         double wrapped = fixed - 262144.0 * floor(fixed / 262144.0);
-        if (fabsf(c) >= 0x1p-126f)
+        if (fabsf(c) >= 0x1p-126f) {
             assert_true((double)btf_ref_coordinate(c, size) == wrapped * size);
+        }
     }
 }
 
@@ -213,8 +220,9 @@ static void check_atlas(uint32_t size, uint32_t directions, uint32_t width, uint
     for (uint32_t centre = 0; centre < room; ++centre) {
         for (uint32_t light = 0; light < directions; ++light) {
             btf_ref_centre(&m, centre, light, &x, &y);
-            if (!(x < width && y < height) || used[(size_t)y * width + x] != 0)
+            if (!(x < width && y < height) || used[(size_t)y * width + x] != 0) {
                 fail_msg("centre %u light %u at (%u, %u) is outside or taken", centre, light, x, y);
+            }
             used[(size_t)y * width + x] = 1;
         }
     }
@@ -273,9 +281,10 @@ static void test_tight_centres(void **state) {
 static void assert_neighbours(btf_ref_neighbours n, uint32_t i0, uint32_t w0, uint32_t i1, uint32_t w1,
                               uint32_t i2, uint32_t w2) {
     if (n.index[0] != i0 || n.index[1] != i1 || n.index[2] != i2 || n.weight[0] != w0 ||
-        n.weight[1] != w1 || n.weight[2] != w2)
+        n.weight[1] != w1 || n.weight[2] != w2) {
         fail_msg("(%u %u) (%u %u) (%u %u), expected (%u %u) (%u %u) (%u %u)", n.index[0], n.weight[0],
                  n.index[1], n.weight[1], n.index[2], n.weight[2], i0, w0, i1, w1, i2, w2);
+    }
 }
 
 static btf_ref_neighbours look_up(const uint16_t *table, uint32_t grid, int32_t x, int32_t y) {
@@ -313,8 +322,9 @@ static void test_project(void **state) {
         int32_t q[2];
         random_direction(&random, d);
         btf_ref_project(d, q);
-        for (int k = 0; k < 2; ++k)
+        for (int k = 0; k < 2; ++k) {
             assert_true(fabs((double)d[k] / (1 + (double)d[2]) * 8192 + 8192 - q[k]) <= 0.502);
+        }
     }
 }
 
@@ -428,11 +438,12 @@ static void test_lookup_octagon(void **state) {
             py += made_views.vertices[n.index[k]][1] * n.weight[k] / 4096.0;
         }
         double radius = hypot(x - 8192.0, y - 8192.0), error = hypot(px - x, py - y);
-        if (radius < 5500)
+        if (radius < 5500) {
             assert_true(error < 8); /* inside, the weights give the point back, but for their step */
-        else if (radius > 6100)
+        } else if (radius > 6100) {
             assert_true(error < radius - 5500 &&
                         hypot(px - 8192, py - 8192) < 6010); /* outside, one of the hull */
+        }
     }
 }
 

@@ -20,17 +20,20 @@ typedef struct made {
 
 static void make(uint32_t seed, int extreme, made *out) {
     make_material(seed, seed | 1, seed % 3 ? OLD_EFFECTS : seed / 3 % 32, extreme, &out->storage, &out->m);
-    if (seed % 2)
+    if (seed % 2) {
         make_factors(seed, extreme, &out->factors, &out->m);
-    if (seed % 7 == 3)
+    }
+    if (seed % 7 == 3) {
         make_points(seed, extreme, &out->storage, &out->m);
+    }
     make_relief(seed, extreme, &out->relief, &out->m);
 }
 
 static btf_ref_options random_options(uint32_t *random) {
     btf_ref_options o = {.effects = UINT32_MAX, .components = UINT32_MAX};
-    if (random_below(random, 2))
+    if (random_below(random, 2)) {
         o.effects = random_below(random, 128);
+    }
     o.interpolation = (int)random_below(random, 2);
     o.filter = (int)random_below(random, 3);
     return o;
@@ -72,9 +75,10 @@ static void test_zero_heights(void **state) {
             if (o.filter == BTF_REF_TEXEL) {
                 assert_same(with, without);
             } else if (x.m.blend == BTF_REF_BLEND_RADIANCE) {
-                for (int c = 0; c < 3; ++c)
+                for (int c = 0; c < 3; ++c) {
                     worst = fmax(worst, fabs((double)with[c] - (double)without[c]) /
                                             (0x1p-60 + (double)without[c]));
+                }
             }
             uint32_t column = random_below(&random, MADE_WIDTH), row = random_below(&random, MADE_HEIGHT);
             btf_ref_evaluate_texel(&x.m, &o, column, row, l, v, with);
@@ -117,8 +121,9 @@ static void test_views_left_alone(void **state) {
     uint32_t random = 7;
     for (uint32_t seed = 1; seed <= 60; ++seed) {
         make(seed, 0, &x);
-        for (int a = 0; a < MADE_VIEWS; ++a)
+        for (int a = 0; a < MADE_VIEWS; ++a) {
             x.relief.view_vectors[4 * a + 3] = 0;
+        }
         for (int i = 0; i < 100; ++i) {
             float l[3], v[3], with[3], without[3];
             btf_ref_options o = random_options(&random), plain;
@@ -184,8 +189,9 @@ static void test_parts(void **state) {
             btf_ref_relief(&x.m, &views, v, linear, at, positions, weights);
             for (int a = 0; a < 3; ++a) {
                 int32_t q[2];
-                if (weights[a] == 0)
+                if (weights[a] == 0) {
                     continue;
+                }
                 btf_ref_gloss(&x.m, views.index[a], l, v, q);
                 btf_ref_neighbours lights = btf_ref_lookup(x.m.light_table, x.m.light_grid, q);
                 /* texels and weights by hand: centres are half a texel in */
@@ -203,16 +209,19 @@ static void test_parts(void **state) {
                         part *= second ? f : 1 - f;
                     }
                     double value[3];
-                    if (part == 0)
+                    if (part == 0) {
                         continue;
+                    }
                     blended_value(&x, &o, cell[0], MADE_HEIGHT - 1 - cell[1], views.index[a], &lights, l, v,
                                   &known, value);
-                    for (int c = 0; c < 3; ++c)
+                    for (int c = 0; c < 3; ++c) {
                         sum[c] += value[c] * part * weights[a] / 4096.0;
+                    }
                 }
             }
-            if (!known)
+            if (!known) {
                 continue;
+            }
             ++compared;
             of_roots += x.m.blend == BTF_REF_BLEND_ROOTS;
             for (int c = 0; c < 3; ++c) {
@@ -261,8 +270,9 @@ static void test_ways_agree(void **state) {
             assert_same(rgb[0], rgb[1]);
             btf_ref_evaluate_texel(&x.m, &o, column, row, l, v, rgb[2]);
             btf_ref_neighbours apart[3] = {lights, lights, lights};
-            if (x.m.effects & o.effects & BTF_REF_GLOSS)
+            if (x.m.effects & o.effects & BTF_REF_GLOSS) {
                 gloss_lights(&x.m, &views, l, v, apart);
+            }
             btf_ref_evaluate_apart(&x.m, &o, column, row, apart, &views, l, v, rgb[3]);
             assert_same(rgb[3], rgb[2]);
             o.filter = BTF_REF_TEXEL;
@@ -293,10 +303,12 @@ static void make_smooth(uint32_t seed, made *out) {
         float *p = out->storage.sbrdf + 4 * i;
         p[0] = p[1] = p[2] = 1;
         p[3] = 0.5f + 0.5f * (float)cos(phase);
-        for (uint32_t a = 0; a < MADE_VIEWS; ++a)
+        for (uint32_t a = 0; a < MADE_VIEWS; ++a) {
             out->storage.gain[a * MADE_TEXELS + i] = (uint8_t)(128 - 10 * a);
-        for (uint32_t b = 0; b < MADE_LIGHTS; ++b)
+        }
+        for (uint32_t b = 0; b < MADE_LIGHTS; ++b) {
             out->storage.shadow[b * MADE_TEXELS + i] = (uint8_t)(255 - 40 * b);
+        }
     }
 }
 
@@ -326,8 +338,9 @@ static void test_no_jumps(void **state) {
             v[2] = (float)((1 - r) / (1 + r));
             float rgb[3];
             btf_ref_evaluate(&x.m, &o, u, w, l, v, rgb);
-            if (i > 0 && fabs((double)rgb[0] - (double)before) > worst)
+            if (i > 0 && fabs((double)rgb[0] - (double)before) > worst) {
                 worst = fabs((double)rgb[0] - (double)before);
+            }
             before = rgb[0];
         }
     }
@@ -342,16 +355,21 @@ static float hard_component(uint32_t *random, const made *x, int k) {
                                     0x337FFFFF, 0x40000000, 0xC0000000, 0x3F7FFFFF, 0x7F800000, 0x7FC00000};
     uint32_t choice = random_below(random, 8);
     const float *vector = x->relief.view_vectors + 4 * random_below(random, MADE_VIEWS);
-    if (choice == 0 && k < 2)
+    if (choice == 0 && k < 2) {
         return float_of(hard[random_below(random, 12)]);
-    if (choice == 1)
+    }
+    if (choice == 1) {
         return vector[k];
-    if (choice == 2 && k < 2)
+    }
+    if (choice == 2 && k < 2) {
         return -vector[k];
-    if (choice == 3 && k == 2) /* grazing */
+    }
+    if (choice == 3 && k == 2) { /* grazing */
         return float_of(0x33800000u + random_below(random, 16));
-    if (choice == 4 && k < 2)
+    }
+    if (choice == 4 && k < 2) {
         return float_of(random_bits(random));
+    }
     return k == 2 ? random_float(random, 0, 2) + 0x1p-24f : random_float(random, -2, 4);
 }
 
@@ -368,8 +386,9 @@ static void test_finite(void **state) {
                 l[k] = hard_component(&random, &x, k);
                 v[k] = hard_component(&random, &x, k);
             }
-            if (i % 16 == 0) /* opposed */
+            if (i % 16 == 0) { /* opposed */
                 l[0] = -v[0], l[1] = -v[1];
+            }
             btf_ref_options o = random_options(&random);
             btf_ref_evaluate(&x.m, &o, float_of(random_bits(&random)), random_float(&random, -2, 4), l, v,
                              rgb);
@@ -377,8 +396,9 @@ static void test_finite(void **state) {
             lit += rgb[0] > 0;
             for (int c = 0; c < 3; ++c) {
                 uint32_t bits = bits_of(rgb[c]);
-                if (bits >= 0x7F800000u || (bits != 0 && bits < 0x00800000u))
+                if (bits >= 0x7F800000u || (bits != 0 && bits < 0x00800000u)) {
                     fail_msg("seed %u, %d: channel %d is %08X", seed, i, c, bits);
+                }
             }
         }
     }

@@ -46,8 +46,9 @@ static void test_lobes(void **state) {
     f->m.colour = BTF_REF_RGB;
     memset(f->s.sbrdf, 0, sizeof f->s.sbrdf);
     static const float numbers[9] = {0.5f, 0.25f, 0.125f, 8.0f, 16.0f, 32.0f, 99.0f, 99.0f, 99.0f};
-    for (uint32_t i = 0; i < 9; ++i)
+    for (uint32_t i = 0; i < 9; ++i) {
         hand_parameter(f, i / 4, 0, 0)[i % 4] = numbers[i];
+    }
     first = hand_parameter(f, 3, 0, 0), second = hand_parameter(f, 4, 0, 0);
     first[0] = -1.0f, first[1] = 7.0f, first[2] = 0.5f, first[3] = 3.0f;
     second[0] = 1.0f, second[1] = -1.0f, second[2] = 0.25f, second[3] = 2.0f;
@@ -111,9 +112,11 @@ static void test_shift_and_gain(void **state) {
         hand_set_lambertian(f);
         f->m.gain_scale = 0x1p-7f;
         f->m.shadow_scale = 0x1p-7f;
-        for (uint32_t row = 0; row < MADE_HEIGHT; ++row)
-            for (uint32_t column = 0; column < MADE_WIDTH; ++column)
+        for (uint32_t row = 0; row < MADE_HEIGHT; ++row) {
+            for (uint32_t column = 0; column < MADE_WIDTH; ++column) {
                 hand_set_shadow(f, column, row, 0, row == 3 ? 64 : 128);
+            }
+        }
 
         hand_set_view(f, 1, 1, 4, 128, 2, 1); /* + is to the right and down; the shadow is the source's */
         hand_evaluate(f, 1, 1, 0, 4, hand_pole, hand_pole, rgb);
@@ -210,10 +213,11 @@ static void test_horizon(void **state) {
             for (size_t k = 0; k < sizeof bad / sizeof *bad + sizeof low / sizeof *low + 1; ++k) {
                 float d[2][3] = {{0, 0, 1}, {0, 0, 1}}, rgb[3] = {7, 7, 7};
                 size_t n_bad = sizeof bad / sizeof *bad;
-                if (k < n_bad)
+                if (k < n_bad) {
                     d[which][i] = float_of(bad[k]);
-                else
+                } else {
                     d[which][i] = k - n_bad < sizeof low / sizeof *low ? low[k - n_bad] : below;
+                }
                 btf_ref_evaluate_texel(&f->m, &f->o, 0, 0, d[0], d[1], rgb);
                 bool dark = k < n_bad || i == 2;
                 assert_bits(rgb[0], dark ? 0.0f : 1.0f);

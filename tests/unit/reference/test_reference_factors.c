@@ -44,14 +44,15 @@ static uint32_t code_of(int class_index, int level, int bits) {
 }
 
 static int random_level(uint32_t *state, int class_index, int bits) {
-    if (class_index == 0)
+    if (class_index == 0) {
         return (int)random_below(state, 255) - 127;
+    }
     return 2 * (int)random_below(state, 1u << bits) - ((1 << bits) - 1);
 }
 
 static void pack_unit(uint32_t *random, int unit, int layer) {
     const int c = made.class_of[unit];
-    for (int word = 0; word < WORDS; ++word)
+    for (int word = 0; word < WORDS; ++word) {
         for (int i = 0; i < layout[c].components; ++i) {
             for (int pair = 0; pair < PAIRS; ++pair) {
                 const int level = random_level(random, c, layout[c].w_bits);
@@ -67,6 +68,7 @@ static void pack_unit(uint32_t *random, int unit, int layer) {
                     code_of(c, level, layout[c].u_bits) << bit;
             }
         }
+    }
 }
 
 /** A material of nothing but factors and shifts, in layout tight, of random classes. */
@@ -78,7 +80,7 @@ static void make_packed(uint32_t seed, btf_ref_material *m) {
     make_factors(seed, 0, &made.packed, m);
     memset(made.packed.texels, 0, sizeof made.packed.texels);
     memset(made.packed.directions, 0, sizeof made.packed.directions);
-    for (int c = 0, unit = 0; c < CLASSES; ++c)
+    for (int c = 0, unit = 0; c < CLASSES; ++c) {
         for (int number = 0; number < (int)m->factor_classes[c][0]; ++number, ++unit) {
             made.class_of[unit] = c;
             made.number[unit] = number;
@@ -86,9 +88,11 @@ static void make_packed(uint32_t seed, btf_ref_material *m) {
             layer += layout[c].texels;
             for (int word = 1; word < WORDS && c > 0 &&
                                4 * number >= (int)(m->factor_classes[c][1] + m->factor_classes[c][2]);
-                 ++word)
+                 ++word) {
                 made.packed.scales[4 * unit + word] = made.packed.scales[4 * unit];
+            }
         }
+    }
 }
 
 /** The residual in double precision, of the first units. */
@@ -101,10 +105,12 @@ static void factors_in_double(const btf_ref_material *m, uint32_t units, int tex
             const uint32_t k = (uint32_t)(4 * made.number[unit] + word), *counts = m->factor_classes[c];
             const int channel = k < counts[1] ? 1 : k < counts[1] + counts[2] ? 2 : 0;
             double sum = 0;
-            for (int b = 0; b < 3; ++b)
-                for (int i = 0; i < layout[c].components; ++i)
+            for (int b = 0; b < 3; ++b) {
+                for (int i = 0; i < layout[c].components; ++i) {
                     sum += lights->weight[b] / 4096.0 * made.u[unit][word][i][texel] *
                            made.w[unit][word][i][view * MADE_LIGHTS + lights->index[b]];
+                }
+            }
             channels[channel] +=
                 sum * (double)made.packed.scales[4 * unit + (uint32_t)word] *
                 (double)made.packed.views[4 * (3 * view + (uint32_t)layout[c].tier) + (uint32_t)channel];
@@ -138,8 +144,9 @@ static void radiance_in_double(const btf_ref_material *m, uint32_t units, uint32
         }
     }
     for (int c = 0; c < 3; ++c) {
-        if (m->blend == BTF_REF_BLEND_ROOTS)
+        if (m->blend == BTF_REF_BLEND_ROOTS) {
             sum[c] = sum[c] > 0 ? sum[c] * sum[c] : 0;
+        }
         out_rgb[c] = sum[c] * (double)m->radiance_scale;
     }
 }
@@ -171,9 +178,10 @@ static void test_against_double(void **state) {
             for (int c = 0; c < 3; ++c) {
                 /* e >> s leaves out less than 2^s of sums of 1e4 to 1e8 */
                 const double error = fabs((double)rgb[c] - truth[c]) / (1 + fabs(truth[c]));
-                if (error > 1e-4)
+                if (error > 1e-4) {
                     fail_msg("round %u, %d, channel %d: %.9g, in double %.9g", round, i, c, (double)rgb[c],
                              truth[c]);
+                }
                 worst = fmax(worst, error);
                 lit += truth[c] > 0.1;
             }
@@ -193,14 +201,18 @@ static void make_uniform(int class_index, uint32_t w, uint32_t u, float scale, b
     m->factor_classes[class_index][0] = 1;
     m->components = 1;
     m->horizon_scale = m->radiance_scale = 1.0f;
-    for (size_t i = 0; i < sizeof made.packed.texels / sizeof *made.packed.texels; ++i)
+    for (size_t i = 0; i < sizeof made.packed.texels / sizeof *made.packed.texels; ++i) {
         made.packed.texels[i] = u;
-    for (size_t i = 0; i < sizeof made.packed.directions / sizeof *made.packed.directions; ++i)
+    }
+    for (size_t i = 0; i < sizeof made.packed.directions / sizeof *made.packed.directions; ++i) {
         made.packed.directions[i] = w;
-    for (size_t i = 0; i < sizeof made.packed.scales / sizeof *made.packed.scales; ++i)
+    }
+    for (size_t i = 0; i < sizeof made.packed.scales / sizeof *made.packed.scales; ++i) {
         made.packed.scales[i] = scale;
-    for (size_t i = 0; i < sizeof made.packed.views / sizeof *made.packed.views; ++i)
+    }
+    for (size_t i = 0; i < sizeof made.packed.views / sizeof *made.packed.views; ++i) {
         made.packed.views[i] = i % 4 == 3 ? 0.0f : 1.0f;
+    }
 }
 
 static const float pole[3] = {0, 0, 1};
@@ -256,8 +268,9 @@ static void test_shift(void **state) {
     float rgb[3];
     for (int sign = -1; sign <= 1; sign += 2) {
         make_uniform(0, 0, 0, (float)sign, &m);
-        for (uint32_t texel = 0; texel < MADE_TEXELS; ++texel)
+        for (uint32_t texel = 0; texel < MADE_TEXELS; ++texel) {
             made.packed.texels[4 * texel] = 3;
+        }
         made.packed.directions[0] = sign < 0 ? 0xFFu : 1u; /* view 0, light 0: -1 or 1 */
         btf_ref_evaluate_neighbours(&m, &options, 0, 0, &lights, &views, pole, pole, rgb);
         /* e = +-4095; e >> 4 is 255, or -256; steps of 2^-8 */
@@ -270,15 +283,16 @@ static void test_colour(void **state) {
     (void)state;
     static const uint32_t counts[6][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {2, 1}, {1, 3}};
     btf_ref_options options = {UINT32_MAX, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_TEXEL};
-    for (int c = 0; c < CLASSES; ++c)
+    for (int c = 0; c < CLASSES; ++c) {
         for (int k = 0; k < 6; ++k) {
             btf_ref_material m;
             make_uniform(c, c == 0 ? 0x01010101u : 0xFFFFFFFFu, c == 0 ? 0x01010101u : 0xFFFFFFFFu, 0x1p-4f,
                          &m);
             m.factor_classes[c][1] = counts[k][0];
             m.factor_classes[c][2] = counts[k][1];
-            for (size_t i = 0; i < sizeof made.packed.views / sizeof *made.packed.views; ++i)
+            for (size_t i = 0; i < sizeof made.packed.views / sizeof *made.packed.views; ++i) {
                 made.packed.views[i] = i % 4 == 0 ? 8.0f : i % 4 == 1 ? 2.0f : i % 4 == 2 ? 0.5f : 0.0f;
+            }
             const float word =
                 (float)(layout[c].components *
                         (c == 0 ? 1 : ((1 << layout[c].w_bits) - 1) * ((1 << layout[c].u_bits) - 1)));
@@ -289,6 +303,7 @@ static void test_colour(void **state) {
             btf_ref_evaluate_texel(&m, &options, 1, 1, pole, pole, rgb);
             assert_rgb(rgb, y + c1 + c2, fmaxf(y - 2 * c2, 0), fmaxf(y - c1 + c2, 0));
         }
+    }
 }
 
 static void test_horizon(void **state) {
@@ -318,8 +333,9 @@ static void test_model_and_factors(void **state) {
     const float r = 64 * 9 * 0x1p-10f;
     m.colour = BTF_REF_MONO;
     m.lobes = 0;
-    for (size_t i = 0; i < (size_t)4 * MADE_TEXELS; ++i)
+    for (size_t i = 0; i < (size_t)4 * MADE_TEXELS; ++i) {
         storage.sbrdf[i] = 1.0f;
+    }
     m.sbrdf = storage.sbrdf;
     m.horizon_scale = 2.0f;
     assert_bits(luma(&m, low), 0.25f + r * 0.5f);
@@ -338,8 +354,9 @@ static void test_blended_roots(void **state) {
     float rgb[3];
     m.domain_sqrt = 1;
     m.radiance_scale = 2.0f;
-    for (int t = 0; t < 3; ++t)
+    for (int t = 0; t < 3; ++t) {
         made.packed.views[4 * (3 * 1 + t)] = -0.5f;
+    }
     m.blend = BTF_REF_BLEND_ROOTS;
     btf_ref_evaluate_neighbours(&m, &options, 0, 0, &lights, &views, pole, pole, rgb);
     float root = r * 0.5f - r * 0.125f + r * 0.25f;
@@ -358,8 +375,9 @@ static void test_blended_roots(void **state) {
     btf_ref_evaluate_neighbours(&m, &options, 0, 0, &lights, &views, pole, pole, rgb);
     root = r * 0.5f - r * 0.125f + 3 * 0.25f;
     assert_bits(rgb[0], root * root * 2);
-    for (int t = 0; t < 3; ++t)
+    for (int t = 0; t < 3; ++t) {
         made.packed.views[4 * (3 * 0 + t)] = -1.0f;
+    }
     btf_ref_evaluate_neighbours(&m, &options, 0, 0, &lights, &views, pole, pole, rgb);
     assert_bits(rgb[0], 0.0f);
 }
@@ -387,10 +405,12 @@ static void test_truncation(void **state) {
             btf_ref_options all = {UINT32_MAX, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_BILINEAR};
             btf_ref_evaluate(&m, &some, 0.3f, 0.6f, l, v, first);
             btf_ref_evaluate(&shorter, &all, 0.3f, 0.6f, l, v, whole);
-            for (int c = 0; c < 3; ++c)
+            for (int c = 0; c < 3; ++c) {
                 assert_bits(first[c], whole[c]);
-            if (units == 0)
+            }
+            if (units == 0) {
                 assert_rgb(first, 0, 0, 0);
+            }
             btf_ref_evaluate(&m, &all, 0.3f, 0.6f, l, v, whole);
             different += bits_of(whole[0]) != bits_of(first[0]);
         }
@@ -410,8 +430,9 @@ static void test_finite(void **state) {
             float l[3], v[3], rgb[3];
             random_direction(&random, l);
             random_direction(&random, v);
-            if (i % 3 == 0)
+            if (i % 3 == 0) {
                 l[2] = float_of(0x33800000u + random_below(&random, 0x0C800001u >> 8) * 256);
+            }
             btf_ref_options o = {
                 .effects = UINT32_MAX, .components = UINT32_MAX, .interpolation = i >> 2 & 1};
             btf_ref_evaluate_texel(&m, &o, random_below(&random, MADE_WIDTH),
@@ -420,8 +441,9 @@ static void test_finite(void **state) {
             for (int c = 0; c < 3; ++c) {
                 const uint32_t bits = bits_of(rgb[c]);
                 lit += bits != 0;
-                if (bits >= 0x7F800000u || (bits != 0 && bits < 0x00800000u))
+                if (bits >= 0x7F800000u || (bits != 0 && bits < 0x00800000u)) {
                     fail_msg("round %u, %d: channel %d is %08X", round, i, c, bits);
+                }
             }
         }
     }

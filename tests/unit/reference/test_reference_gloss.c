@@ -16,8 +16,9 @@ typedef struct one_view {
 
 static void make_view(const float vector[3], uint32_t share, one_view *out) {
     out->m = (btf_ref_material){.n_views = 1, .view_vectors = out->vector, .gloss_share = share};
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3; ++i) {
         out->vector[i] = vector[i];
+    }
     out->vector[3] = 1.0f;
 }
 
@@ -28,8 +29,9 @@ static double dot(const double a[3], const double b[3]) {
 /** The point of section 6's plane, not rounded. */
 static void plane_point(const double c[3], double out_q[2]) {
     double k = 1 / (fmax(sqrt(dot(c, c)) + c[2], 0.5));
-    for (int i = 0; i < 2; ++i)
+    for (int i = 0; i < 2; ++i) {
         out_q[i] = fmin(fmax(c[i] * k * 8192, -8192), 8192) + 8192;
+    }
 }
 
 /** l, which is the mirror image of V in the half vector, moved by a share of the way to that of A. */
@@ -41,8 +43,9 @@ static void looked_up_in_double(const float l[3], const float v[3], const float 
         d[i] = (double)a[i] - (double)v[i];
     }
     double k = 2 * dot(h, d) / fmin(fmax(dot(h, h), 0.5), 4);
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3; ++i) {
         c[i] = (double)l[i] + share * (k * h[i] - d[i]);
+    }
     c[2] = fmax(c[2], 0);
     plane_point(c, out_q);
 }
@@ -103,8 +106,9 @@ static void test_geometry(void **state) {
         double angle = atan2(x, z);
         assert_int_equal(q[1], 8192);
         assert_true(fabs(q[0] - (8192 + 8192 * tan(angle / 2))) <= 0.52);
-        if (share == 2) /* half of it: the direction in the middle */
+        if (share == 2) { /* half of it: the direction in the middle */
             assert_true(fabs(angle - (p - e / 2)) < 1e-12);
+        }
 
         /* by a quarter of a turn: x to y, y to -x */
         const float turned_v[3] = {-v[1], v[0], v[2]}, turned_a[3] = {-a[1], a[0], a[2]},
@@ -129,10 +133,12 @@ static void test_at_the_sampled_view(void **state) {
         int32_t q[2], plain[2];
         one_view view;
         random_direction(&random, l);
-        if (i % 2)
+        if (i % 2) {
             random_direction(&random, a);
-        for (int k = 0; k < 3; ++k)
+        }
+        for (int k = 0; k < 3; ++k) {
             v[k] = a[k] + (i % 2 ? 0.0f : nearly[i / 2 % 4][k]);
+        }
         make_view(a, 1 + random_below(&random, 2), &view);
         btf_ref_gloss(&view.m, 0, l, v, q);
         btf_ref_project(l, plain);
@@ -166,8 +172,9 @@ static void test_limits(void **state) {
         const float across[3] = {(float)sin(t), 0, (float)cos(t)};
         make_view(steep, 2, &view);
         btf_ref_gloss(&view.m, 0, i < 200000 ? low : other, across, q);
-        if (i > 0 && i != 200000 && abs(q[0] - before[0]) > step)
+        if (i > 0 && i != 200000 && abs(q[0] - before[0]) > step) {
             step = abs(q[0] - before[0]);
+        }
         before[0] = q[0];
     }
     print_message("looked up at most %d units apart for views 8e-6 apart\n", step);

@@ -23,9 +23,10 @@ static void model_in_double(const btf_ref_material *m, uint32_t column, uint32_t
             const uint8_t *bytes = m->shift + 2 * (view * texels + texel);
             double value = 0;
             if (code == 0) {
-                for (int b = 0; b < 3; ++b)
+                for (int b = 0; b < 3; ++b) {
                     value += lights->weight[b] / 4096.0 * (double)m->centre_scale *
                              m->centre[4 * ((size_t)bytes[0] * m->n_lights + lights->index[b]) + (size_t)c];
+                }
                 out_rgb[c] += value * value * views->weight[a] / 4096.0 * (double)m->radiance_scale;
                 continue;
             }
@@ -34,22 +35,25 @@ static void model_in_double(const btf_ref_material *m, uint32_t column, uint32_t
             texel = y * m->width + x;
             size_t first_lobe = m->colour == BTF_REF_MONO ? 1 : (3 * (1 + m->lobes) + 3) / 4;
             const float *factors[5];
-            for (size_t i = 0; i < 5; ++i)
+            for (size_t i = 0; i < 5; ++i) {
                 factors[i] = sbrdf + 4 * (i * texels + texel);
+            }
             size_t at = (size_t)c;
             double diffuse = (double)(m->colour == BTF_REF_MONO ? factors[0][3] : factors[0][c]);
             double f = diffuse;
             for (uint32_t j = 0; j < m->lobes; ++j) {
                 const float *lobe = sbrdf + 4 * ((first_lobe + j) * texels + texel);
                 double base = 0;
-                for (int i = 0; i < 3; ++i)
+                for (int i = 0; i < 3; ++i) {
                     base += (double)lobe[i] * (double)l[i] * (double)v[i];
+                }
                 at += 3;
                 double weight = m->colour == BTF_REF_MONO ? 1 : (double)factors[at / 4][at % 4];
                 f += weight * (base > 0 ? pow(base, (double)lobe[3]) : 0);
             }
-            if (m->colour == BTF_REF_MONO)
+            if (m->colour == BTF_REF_MONO) {
                 f *= (double)factors[0][c];
+            }
             double shadow = 0, residual = 0;
             for (int b = 0; b < 3; ++b) {
                 shadow += lights->weight[b] / 4096.0 * m->shadow[lights->index[b] * texels + texel];
@@ -119,9 +123,10 @@ static void test_against_double(void **state) {
             model_in_double(&m, column, row, &lights, &views, l, v, truth);
             for (int c = 0; c < 3; ++c) {
                 double error = fabs((double)rgb[c] - truth[c]) / (1 + fabs(truth[c]));
-                if (error > 2e-5)
+                if (error > 2e-5) {
                     fail_msg("round %u, %d, channel %d: %.9g, in double %.9g", round, i, c, (double)rgb[c],
                              truth[c]);
+                }
                 worst = fmax(worst, error);
             }
         }
@@ -156,9 +161,11 @@ static void test_ways_agree(void **state) {
             btf_ref_evaluate_texel(&paper, &o, column, row, l, v, rgb[1]);
             btf_ref_evaluate(&paper, &o, u, w, l, v, rgb[2]);
             btf_ref_evaluate_neighbours(&tight, &o, column, row, &lights, &views, l, v, rgb[3]);
-            for (int k = 1; k < 4; ++k)
-                for (int c = 0; c < 3; ++c)
+            for (int k = 1; k < 4; ++k) {
+                for (int c = 0; c < 3; ++c) {
                     assert_bits(rgb[k][c], rgb[0][c]);
+                }
+            }
         }
     }
 }
@@ -171,8 +178,9 @@ static void test_finite(void **state) {
     uint32_t random = 77, lit = 0, evaluations = 0;
     for (uint32_t round = 0; round < 250; ++round) {
         make_material(round, round, round % 2 ? ALL_EFFECTS : round / 2 % 32, round % 5 != 0, &storage, &m);
-        if (round % 7 == 3)
+        if (round % 7 == 3) {
             make_points(round, round % 5 != 0, &storage, &m);
+        }
         for (int i = 0; i < 4000; ++i) {
             float l[3], v[3], rgb[3];
             for (int k = 0; k < 3; ++k) {
@@ -197,8 +205,9 @@ static void test_finite(void **state) {
             lit += rgb[0] > 0;
             for (int c = 0; c < 3; ++c) {
                 uint32_t bits = bits_of(rgb[c]);
-                if (bits >= 0x7F800000u || (bits != 0 && bits < 0x00800000u))
+                if (bits >= 0x7F800000u || (bits != 0 && bits < 0x00800000u)) {
                     fail_msg("round %u, %d: channel %d is %08X", round, i, c, bits);
+                }
             }
         }
     }

@@ -73,8 +73,9 @@ static void test_lists(void **state) {
     f->m.gain_base = 0.25f;
     f->m.gain_step = 0.125f;
     const uint32_t texel = MADE_WIDTH + 1;
-    for (int entry = 0; entry < 5; ++entry) /* set_point's view is an entry here */
+    for (int entry = 0; entry < 5; ++entry) { /* set_point's view is an entry here */
         set_point(f, 1, 1, (uint32_t)entry, entry - 1, entry == 4, 2 * entry);
+    }
     indices[2 * MADE_TEXELS + texel] = 0x14; /* view 4 has entry 4, view 5 entry 1 */
     hand_evaluate(f, 1, 1, 0, 4, hand_pole, hand_pole, rgb);
     assert_bits(rgb[0], hand_albedo(4, 2) * 1.25f);

@@ -65,8 +65,9 @@ static bool is_inside(const field *f, const int32_t x[2], const int32_t s[2], in
 /** The highest of all integers, tried one by one, at which the ray is in the surface. */
 static int32_t cast_ray(const field *f, const int32_t x[2], const int32_t s[2]) {
     int32_t z = height_of(f, 255);
-    while (!is_inside(f, x, s, z))
+    while (!is_inside(f, x, s, z)) {
         --z;
+    }
     return z;
 }
 
@@ -109,9 +110,11 @@ static void test_slope(void **state) {
         float d[3];
         int32_t s[2];
         random_direction(&random, d);
-        if (i % 4 == 0) /* no unit vectors, as long as an argument may be */
-            for (int k = 0; k < 3; ++k)
+        if (i % 4 == 0) { /* no unit vectors, as long as an argument may be */
+            for (int k = 0; k < 3; ++k) {
                 d[k] = k == 2 ? random_float(&random, 0, 2) + 0x1p-24f : random_float(&random, -2, 4);
+            }
+        }
         btf_ref_slope(d, s);
         for (int k = 0; k < 2; ++k) {
             double truth = 4096 * (double)d[k] / fmax((double)d[2], 0.25);
@@ -133,8 +136,9 @@ static void test_move(void **state) {
         f.m.level = random_below(&random, 15);
         random_position(&random, x);
         int32_t z = (int32_t)random_below(&random, 65536) - 32768;
-        for (int k = 0; k < 2; ++k)
+        for (int k = 0; k < 2; ++k) {
             s[k] = i == 0 ? 32767 : i == 1 ? -32767 : (int32_t)random_below(&random, 65535) - 32767;
+        }
         z = i < 2 ? -32768 : z;
         btf_ref_move(&f.m, x, z, s, to);
         for (int k = 0; k < 2; ++k) {
@@ -162,9 +166,11 @@ static void add_boxes(uint32_t *random, field *f) {
         uint32_t left = random_below(random, FIELD_WIDTH), top = random_below(random, FIELD_HEIGHT);
         uint32_t width = 6 + random_below(random, 14), height = 6 + random_below(random, 10);
         uint8_t code = box == 0 ? 255 : (uint8_t)random_below(random, 256);
-        for (uint32_t y = 0; y < height; ++y)
-            for (uint32_t x = 0; x < width; ++x)
+        for (uint32_t y = 0; y < height; ++y) {
+            for (uint32_t x = 0; x < width; ++x) {
                 f->heights[(top + y) % FIELD_HEIGHT * FIELD_WIDTH + (left + x) % FIELD_WIDTH] = code;
+            }
+        }
     }
 }
 
@@ -179,17 +185,19 @@ static void test_march_against_rays(void **state) {
         uint32_t steps = 1 + random_below(&random, 64);
         make_field((int32_t)random_below(&random, 1024) - 768, (int32_t)random_below(&random, 1500), steps,
                    (uint32_t)round % 3, &f);
-        if (round % 4 == 0) /* any heights */
+        if (round % 4 == 0) { /* any heights */
             random_bytes(&random, f.heights, sizeof f.heights);
-        else
+        } else {
             add_boxes(&random, &f);
+        }
         int32_t descent = descent_of(&f);
         for (int i = 0; i < 100; ++i) {
             int32_t x[2], s[2];
             random_position(&random, x);
             random_slope(&random, s);
-            if (f.m.relief_step == 0)
+            if (f.m.relief_step == 0) {
                 continue;
+            }
             int32_t truth = cast_ray(&f, x, s), z = btf_ref_march(&f.m, x, s);
             ++rays;
             assert_true(z < truth + (descent > 0 ? descent : 1));
@@ -204,8 +212,9 @@ static void test_march_against_rays(void **state) {
             if (holds) {
                 ++held;
                 assert_true(z > truth - (descent > 0 ? descent : 1));
-                if (descent > 0)
+                if (descent > 0) {
                     worst = fmax(worst, fabs((double)(z - truth) / descent));
+                }
             }
             if (lands) {
                 ++landed;
@@ -262,9 +271,9 @@ static void test_parallax(void **state) {
         make_field(height, i % 2 ? 1000 : 0, i % 2 ? 8 : 1, (uint32_t)i / 2 % 3, &f);
         btf_ref_neighbours views = {{0, 1, 2}, {4096 - w1 - w2, w1, w2}};
         float v[3];
-        do
+        do {
             random_direction(&random, v);
-        while (v[2] < 0.25f);
+        } while (v[2] < 0.25f);
         double share = 0;
         for (int a = 0; a < 3; ++a) {
             f.view_vectors[4 * a + 3] = random_below(&random, 3) == 0 ? 0.0f : 1.0f;
@@ -308,8 +317,9 @@ static void weights_in_double(const field *f, const btf_ref_neighbours *views, c
         out_weights[a] = views->weight[a] * fmin(fmax(1.5 - texels / 2, 0.3), 1);
         sum += out_weights[a];
     }
-    for (int a = 0; a < 3; ++a)
+    for (int a = 0; a < 3; ++a) {
         out_weights[a] *= 4096 / sum;
+    }
 }
 
 /** Beside a wall, views from behind it weigh less, by how much it rises above the point: in double. */
@@ -333,8 +343,9 @@ static void test_walls_hide(void **state) {
             btf_ref_relief(&f.m, &thirds, v, true, x, positions, weights);
             weights_in_double(&f, &thirds, v, x, positions, &sure, expected);
             assert_int_equal(weights[0] + weights[1] + weights[2], 4096);
-            if (!sure)
+            if (!sure) {
                 continue;
+            }
             ++compared;
             for (int a = 0; a < 3; ++a) {
                 double off = fabs(weights[a] - expected[a]);

@@ -71,8 +71,9 @@ static void test_filter(void **state) {
     hand_fixture *f = hand_material(0, 0);
     /* 4 x 4 of the 7 x 5: powers of two, so that u = (c + 0.5) / W is exact */
     f->m.width = f->m.height = 4;
-    for (uint32_t i = 0; i < 16; ++i)
+    for (uint32_t i = 0; i < 16; ++i) {
         f->s.sbrdf[4 * i] = 1.0f, f->s.sbrdf[4 * i + 3] = (float)(1 + i * i);
+    }
     float rgb[3], texel[3];
     for (int row = 0; row < 4; ++row) {
         for (int column = 0; column < 4; ++column) {

@@ -21,10 +21,12 @@ typedef struct made {
 
 static void make(uint32_t seed, made *out) {
     make_material(seed, seed | 1, seed % 3 ? OLD_EFFECTS : seed / 3 % 32, 0, &out->storage, &out->m);
-    if (seed % 2)
+    if (seed % 2) {
         make_factors(seed, 0, &out->factors, &out->m);
-    if (seed % 7 == 3)
+    }
+    if (seed % 7 == 3) {
         make_points(seed, 0, &out->storage, &out->m);
+    }
     make_relief(seed, 0, &out->relief, &out->m);
 }
 
@@ -64,14 +66,16 @@ static void assert_same(const float rgb[3], const float expected[3]) {
 static void assert_mean(const double sum[3], double count, const float expected[3]) {
     for (int c = 0; c < 3; ++c) {
         const double mean = sum[c] / count;
-        if (!(fabs(mean - (double)expected[c]) <= 2e-6 * (double)expected[c] + 1e-30))
+        if (!(fabs(mean - (double)expected[c]) <= 2e-6 * (double)expected[c] + 1e-30)) {
             fail_msg("channel %d: mean %.9g, blend %.9g", c, mean, (double)expected[c]);
+        }
     }
 }
 
 static void add(double sum[3], const float rgb[3]) {
-    for (int c = 0; c < 3; ++c)
+    for (int c = 0; c < 3; ++c) {
         sum[c] += (double)rgb[c];
+    }
 }
 
 /** One light of all the weight for every neighbouring view, if there is one near the rim. */
@@ -81,12 +85,14 @@ static bool single_light(const made *x, const btf_ref_options *o, point *p, uint
         random_direction(random, p->light);
         p->light[2] *= 0.02f;
         const float length = sqrtf(p->light[0] * p->light[0] + p->light[1] * p->light[1]);
-        for (int c = 0; c < 2; ++c)
+        for (int c = 0; c < 2; ++c) {
             p->light[c] /= length > 0.1f ? length : 0.1f;
+        }
         btf_ref_project(p->light, q);
         btf_ref_neighbours n = btf_ref_lookup(x->m.light_table, x->m.light_grid, q);
-        if ((n.weight[0] == 4096 || n.weight[1] == 4096 || n.weight[2] == 4096) && p->light[2] > 0x1p-20f)
+        if ((n.weight[0] == 4096 || n.weight[1] == 4096 || n.weight[2] == 4096) && p->light[2] > 0x1p-20f) {
             return !(o->effects & x->m.effects & BTF_REF_GLOSS);
+        }
     }
     return false;
 }
@@ -222,8 +228,9 @@ static void test_blend_of_radiance(void **state) {
             float all[3], mean[3];
             btf_ref_evaluate(&x.m, &o, p.u, p.v, p.light, p.view, all);
             blend(&x, &o, BTF_REF_PICK_VIEW, &p, mean);
-            for (int c = 0; c < 3; ++c)
+            for (int c = 0; c < 3; ++c) {
                 worst = fmax(worst, fabs((double)mean[c] - (double)all[c]) / (0x1p-60 + (double)all[c]));
+            }
         }
     }
     print_message("%d blends in another order: %.3g of the value\n", compared, worst);
@@ -294,8 +301,9 @@ static void test_mean_over_texels_and_levels(void **state) {
         btf_ref_options o = linear(1 + (int)seed % 2);
         o.effects &= ~(uint32_t)BTF_REF_GLOSS;
         memcpy(p.view, x[0].relief.view_vectors + 4 * random_below(&random, MADE_VIEWS), sizeof p.view);
-        if (!single_light(&x[0], &o, &p, &random))
+        if (!single_light(&x[0], &o, &p, &random)) {
             continue;
+        }
         ++seen;
         double sum[3] = {0, 0, 0};
         float rgb[3];
@@ -346,8 +354,9 @@ static void test_mean_of_samples(void **state) {
             btf_ref_random(counter, r);
             choose(&x, &o, picks, &p, r[0], r[1], r[2], rgb);
             add(sum, rgb);
-            for (int c = 0; c < 3; ++c)
+            for (int c = 0; c < 3; ++c) {
                 squares[c] += (double)rgb[c] * (double)rgb[c];
+            }
         }
         blend(&x, &o, picks, &p, rgb);
         for (int c = 0; c < 3; ++c) {
@@ -373,8 +382,9 @@ static void test_levels(void **state) {
     } cases[] = {{0, 0},    {-0.0f, 0}, {-1, 0},       {1, 1},         {2, 2},      {2.5f, 2},
                  {1e9f, 2}, {NAN, 0},   {INFINITY, 2}, {-INFINITY, 0}, {1.003f, 1}, {0x1p-140f, 0}};
     uint32_t random = 23;
-    for (uint32_t i = 0; i < 3; ++i)
+    for (uint32_t i = 0; i < 3; ++i) {
         make(i + 1, &x[i]);
+    }
     const btf_ref_material levels[3] = {x[0].m, x[1].m, x[2].m};
     const btf_ref_options o = linear(BTF_REF_BILINEAR);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {

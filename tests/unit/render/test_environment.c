@@ -59,8 +59,9 @@ static btf_result read_map(const bytes_part *part, const char *layer, double out
     const btf_result result = light_list_read_environment(&list, file, layer, 4, 0, 1, &log);
     for (int c = 0; c < 3; c++) {
         out_sum[c] = 0;
-        for (size_t i = 0; i < list.count; i++)
+        for (size_t i = 0; i < list.count; i++) {
             out_sum[c] += list.lights[i].colour[c];
+        }
     }
     light_list_clear(&list);
     return result;
@@ -76,8 +77,9 @@ static float chroma_of(int c, int x, int y) {
 static bytes_part map_of(const char *b, const char *g, const char *r, const char *further) {
     bytes_part p = {.width = 8, .height = 4, .value = value_of};
     const char *names[4] = {b, g, r, further};
-    for (int c = 0; c < 4 && names[c]; c++)
+    for (int c = 0; c < 4 && names[c]; c++) {
         p.channels[p.channel_count++] = (bytes_channel){names[c], BYTES_HALF, 1, 1};
+    }
     return p;
 }
 
@@ -140,8 +142,9 @@ static void test_meaning(void **state) {
 
 /* One sample below 0, one infinite, one that is no number. */
 static float broken_value(int c, int x, int y) {
-    if (y == 1 && x == 5)
+    if (y == 1 && x == 5) {
         return c == 0 ? -1.0f : c == 1 ? INFINITY : NAN;
+    }
     return 1.0f;
 }
 
@@ -151,8 +154,9 @@ static void test_contents(void **state) {
     double sum[3];
     bytes_part p = map_of("B", "G", "R", NULL);
     p.value = broken_value;
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
         p.channels[c].type = BYTES_FLOAT; /* as written, infinity and all */
+    }
     assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
     assert_true(sum[0] < 4 && sum[0] > 3.5);
     assert_non_null(strstr(messages, "3 samples that are below 0, infinite or not a number"));

@@ -121,8 +121,9 @@ static void frames_share_plans(void **state) {
     const light lights[2] = {far_away(10, 40), far_away(70, -100)};
     const frame_wishes wishes = {.tolerance = 0.5f, .interpolate = 1};
     plan_range seen[6];
-    for (int i = 0; i < 6; i++)
+    for (int i = 0; i < 6; i++) {
         seen[i] = see(0, i < 3 ? 2 + i : 60 + i, i < 3 ? 4 * i : 180 + 4 * i, lights, 2, "plane");
+    }
     btf_plan plan;
     int end = 0;
     assert_int_equal(frame_plan(material, seen, 0, 6, &wishes, &end, &plan), BTF_OK);

@@ -18,8 +18,9 @@
 static const char *const names[] = {"plane", "sphere", "torus", "drape"};
 
 static void close_to(double got, double expected, double tolerance) {
-    if (!(fabs(got - expected) <= tolerance))
+    if (!(fabs(got - expected) <= tolerance)) {
         fail_msg("%.9g, expected %.9g within %g", got, expected, tolerance);
+    }
 }
 
 static mesh *make(const char *name) {
@@ -40,8 +41,9 @@ static void test_built_in(void **state) {
             close_to(vec_length(n), 1, 1e-6);
             close_to(vec_length(t), 1, 1e-6);
             close_to(vec_dot(n, t), 0, 1e-5);
-            for (int c = 0; c < 3; c++)
+            for (int c = 0; c < 3; c++) {
                 assert_true(fabsf(v->position[c]) <= 1);
+            }
         }
         for (uint32_t f = 0; f < m->triangle_count; f++) {
             const mesh_vertex *a = &m->vertices[m->triangles[3 * f]],
@@ -50,10 +52,12 @@ static void test_built_in(void **state) {
             vec3 e1 = vec_sub(vec_from(b->position), vec_from(a->position));
             vec3 e2 = vec_sub(vec_from(c->position), vec_from(a->position));
             vec3 face = vec_cross(e1, e2);
-            if (vec_length(face) > 1e-9)
+            if (vec_length(face) > 1e-9) {
                 assert_true(vec_dot(face, vec_from(a->normal)) > 0);
-            if (vec_length(face) > 1e-9 && b->uv[0] > a->uv[0] && b->uv[1] == a->uv[1])
+            }
+            if (vec_length(face) > 1e-9 && b->uv[0] > a->uv[0] && b->uv[1] == a->uv[1]) {
                 assert_true(vec_dot(e1, vec_from(a->tangent)) > 0);
+            }
         }
         mesh_destroy(&m);
         assert_null(m);
@@ -74,8 +78,9 @@ static void test_computed_frames(void **state) {
         double worst_n = 1, worst_t = 1;
         for (uint32_t i = 0; i < m->vertex_count; i++) {
             const mesh_vertex *a = &truth->vertices[i], *b = &m->vertices[i];
-            if (k == 1 && fabsf(a->position[1]) > 0.95f)
+            if (k == 1 && fabsf(a->position[1]) > 0.95f) {
                 continue; /* near the poles triangles degenerate */
+            }
             worst_n = fmin(worst_n, vec_dot(vec_from(a->normal), vec_from(b->normal)));
             worst_t = fmin(worst_t, vec_dot(vec_from(a->tangent), vec_from(b->tangent)));
             assert_true(b->tangent[3] == 1);
@@ -91,8 +96,9 @@ static void test_computed_frames(void **state) {
 static void test_handedness(void **state) {
     (void)state;
     mesh *m = make("plane");
-    for (uint32_t i = 0; i < m->vertex_count; i++)
+    for (uint32_t i = 0; i < m->vertex_count; i++) {
         m->vertices[i].uv[0] = -m->vertices[i].uv[0];
+    }
     assert_int_equal(mesh_compute_tangents(m), BTF_OK);
     for (uint32_t i = 0; i < m->vertex_count; i++) {
         close_to((double)m->vertices[i].tangent[0], -1, 1e-6);
@@ -129,8 +135,9 @@ static void test_rays(void **state) {
             vec3 p = vec_add(s, vec_mul(d, t));
             double u = vec_dot(vec_cross(p, e2), n) / vec_dot(n, n);
             double v = vec_dot(vec_cross(e1, p), n) / vec_dot(n, n);
-            if (u >= 0 && v >= 0 && u + v <= 1 && t > 0 && t < best.t)
+            if (u >= 0 && v >= 0 && u + v <= 1 && t > 0 && t < best.t) {
                 best = (bvh_hit){t, u, v, f};
+            }
         }
         assert_int_equal(bvh_trace(b, from, d, 0, INFINITY, &hit), best.triangle != UINT32_MAX);
         if (best.triangle != UINT32_MAX) {
@@ -177,8 +184,9 @@ static void test_plane_table(void **state) {
     table_light(&scene, &near, SIZE * SIZE, samples, inputs, weights);
     close_to((double)inputs[TABLE_INPUTS * 9 + 7], 1, 1e-6);
     close_to((double)weights[3 * 9], 1, 1e-6);
-    for (int i = 0; i < SIZE * SIZE; i++) /* a material of one level */
+    for (int i = 0; i < SIZE * SIZE; i++) { /* a material of one level */
         assert_true(samples[i].level == 0 && inputs[TABLE_INPUTS * i + 8] == 0);
+    }
     scene.camera = (camera){180, 0, 0, 1}; /* from behind: the frame turns over */
     table_cast(&scene, 0, SIZE, samples);
     close_to((double)samples[0].normal[2], -1, 1e-6);
@@ -209,8 +217,9 @@ static void test_levels(void **state) {
         scene.camera.theta = turn < 2 ? 0 : 180;
         scene.repeat[0] = turn == 1 ? 3.9 : 2; /* 31.2 texels round to level 5 */
         table_cast(&scene, 0, SIZE, samples);
-        for (int i = 0; i < SIZE * SIZE; i++)
+        for (int i = 0; i < SIZE * SIZE; i++) {
             assert_int_equal(samples[i].level, turn == 1 ? 5 : 4);
+        }
     }
     scene.levels = 3;
     table_cast(&scene, 0, SIZE, samples);
@@ -229,8 +238,9 @@ static void test_levels(void **state) {
     int levels = 0, near = 7;
     for (int y = SIZE - 1; y >= 0; y--) {
         const table_sample *sample = &samples[y * SIZE + SIZE / 2];
-        if (sample->view[2] == 0)
+        if (sample->view[2] == 0) {
             continue;
+        }
         assert_true(sample->level >= near || near == 7);
         levels += sample->level != near;
         near = sample->level;
@@ -263,14 +273,16 @@ static void test_cast_shadows(void **state) {
         table_light(&scene, &l, SIZE * SIZE, samples, inputs, weights);
         for (int i = 0; i < SIZE * SIZE; i++) {
             misses += samples[i].view[2] == 0;
-            if (inputs[TABLE_INPUTS * i + 7] > 0.05f)
+            if (inputs[TABLE_INPUTS * i + 7] > 0.05f) {
                 *(weights[3 * i] > 0 ? &lit : &dark) += 1;
+            }
         }
         assert_true(lit > 100 && misses > 100);
-        if (k == 1)
+        if (k == 1) {
             assert_int_equal(dark, 0);
-        else
+        } else {
             assert_true(dark > 20);
+        }
         bvh_destroy(&b);
         mesh_destroy(&m);
     }
@@ -282,8 +294,9 @@ static void test_environment(void **state) {
     enum { W = 64, H = 32 };
     static float map[W * H * 3];
     light_list list = {0};
-    for (int i = 0; i < W * H * 3; i++)
+    for (int i = 0; i < W * H * 3; i++) {
         map[i] = 1;
+    }
     assert_int_equal(light_list_add_environment(&list, W, H, map, 64, 0, 1), BTF_OK);
     assert_int_equal(list.count, 64);
     double sum = 0, lambert = 0;
@@ -320,8 +333,9 @@ static void test_light_words(void **state) {
     static const char *const bad[] = {
         "",      "1",    "1,2,",  "1,2,x", "1,2,-1", "1,2,3,4", "1,2,3,4,5,6,7,8",
         "nan,0", "-1,0", "200,0", "inf,0", "1e9,0",  "1 2"};
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         assert_non_null(light_parse_directional(bad[i], &list));
+    }
     assert_non_null(light_parse_point("1,2", &list));
     assert_int_equal(list.count, 2);
     light_list_clear(&list);
@@ -329,7 +343,7 @@ static void test_light_words(void **state) {
 
 static void test_camera(void **state) {
     (void)state;
-    for (int theta = 0; theta <= 180; theta += 30)
+    for (int theta = 0; theta <= 180; theta += 30) {
         for (int phi = 0; phi < 360; phi += 30) {
             const camera c = {theta, phi, 30, 1};
             camera_frame f = camera_get_frame(&c);
@@ -339,6 +353,7 @@ static void test_camera(void **state) {
             close_to(vec_length(f.right), 1, 1e-12);
             assert_true(f.up.y >= 0);
         }
+    }
 }
 
 static void test_picture(void **state) {

@@ -96,8 +96,9 @@ static void test_seam(void **state) {
     assert_int_equal(parse(text, strlen(text), &m), BTF_OK);
     assert_int_equal(m->vertex_count, 5);
     const float *a = m->vertices[m->triangles[0]].normal, *b = m->vertices[m->triangles[3]].normal;
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; k++) {
         assert_true(a[k] == b[k]);
+    }
     mesh_destroy(&m);
 }
 
@@ -125,13 +126,15 @@ static void test_broken(void **state) {
         {"v 0 0 0\nvt 0 0\nvn 0 0 1\nf 1/1/1/1 1/1 1/1\n", "more than three", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvt 0 0\nf 1/1 1/1 /1\n", "'/1' is not of the form v, v/t", BTF_ERROR_BAD_FILE},
         {"v 0 0 0\nvt 0 0\nf a b c\n", "'a' is not of the form v, v/t", BTF_ERROR_BAD_FILE},
-        {"v 0 0 0\nvt 0 0\nf 99999999999999999999/1 1/1 1/1\n", "but 1 are given so far", BTF_ERROR_BAD_FILE},
+        {"v 0 0 0\nvt 0 0\nf 99999999999999999999/1 1/1 1/1\n", "but 1 are given so far",
+         BTF_ERROR_BAD_FILE},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         mesh *m;
         btf_result result = parse(cases[i].text, strlen(cases[i].text), &m);
-        if (result != cases[i].result || !strstr(last, cases[i].message))
+        if (result != cases[i].result || !strstr(last, cases[i].message)) {
             fail_msg("case %zu: result %d, message '%s'", i, (int)result, last);
+        }
         assert_null(m);
     }
     static const char numbers[] =
@@ -171,8 +174,9 @@ static double covered(const vec3 *corners, const uint32_t *triangles, uint32_t c
 /* Twice the area of a polygon without crossings. */
 static double area_of(const vec3 *corners, uint32_t count) {
     vec3 sum = vec(0, 0, 0);
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count; i++) {
         sum = vec_add(sum, vec_cross(corners[i], corners[(i + 1) % count]));
+    }
     return vec_length(sum);
 }
 
@@ -189,8 +193,9 @@ static void expect_cover(const char *name, const double *xy, uint32_t count) {
         }
         assert_true(polygon_triangulate(corners, count, triangles));
         const double area = area_of(corners, count), sum = covered(corners, triangles, count);
-        if (fabs(sum - area) > 1e-9 * (1 + area))
+        if (fabs(sum - area) > 1e-9 * (1 + area)) {
             fail_msg("%s, turned %d: area %.17g, covered %.17g", name, turned, area / 2, sum / 2);
+        }
     }
     free(corners);
     free(triangles);
@@ -250,26 +255,30 @@ static void test_other_polygons(void **state) {
     (void)state;
     uint32_t triangles[3 * 62];
     vec3 corners[64];
-    for (uint32_t i = 0; i < 64; i++)
+    for (uint32_t i = 0; i < 64; i++) {
         corners[i] = vec(cos(2 * RENDER_PI * i / 64), sin(2 * RENDER_PI * i / 64), 0.01 * (i % 2));
+    }
     assert_true(polygon_triangulate(corners, 64, triangles));
-    for (uint32_t i = 0; i < 62; i++)
+    for (uint32_t i = 0; i < 62; i++) {
         assert_true(triangles[3 * i] == 0 && triangles[3 * i + 1] == i + 1 &&
                     triangles[3 * i + 2] == i + 2);
+    }
     for (int kind = 0; kind < 3; kind++) {
-        for (uint32_t i = 0; i < 64; i++)
+        for (uint32_t i = 0; i < 64; i++) {
             corners[i] = kind == 0 ? vec(1, 2, 3) /* a point */
                          : kind == 1
                              ? vec(i * 0.1, i * 0.2, i * 0.3) /* a line */
                              : vec(cos(2 * RENDER_PI * 27 * i / 64), sin(2 * RENDER_PI * 27 * i / 64), 0);
+        }
         assert_true(polygon_triangulate(corners, 64, triangles));
         bool seen[64] = {false};
         for (uint32_t i = 0; i < 3 * 62; i++) {
             assert_true(triangles[i] < 64);
             seen[triangles[i]] = true;
         }
-        for (uint32_t i = 0; i < 64; i++)
+        for (uint32_t i = 0; i < 64; i++) {
             assert_true(seen[i]);
+        }
     }
 }
 
@@ -278,19 +287,22 @@ static void test_faces(void **state) {
     (void)state;
     char text[20000] = "vt 0 0\n";
     mesh *m;
-    for (int i = 0; i < 200; i++)
+    for (int i = 0; i < 200; i++) {
         sprintf(text + strlen(text), "v %g %g 0\n", (i % 2 ? 1 : 0.4) * cos(RENDER_PI * i / 100),
                 (i % 2 ? 1 : 0.4) * sin(RENDER_PI * i / 100));
+    }
     strcat(text, "fo");
-    for (int i = 1; i <= 200; i++)
+    for (int i = 1; i <= 200; i++) {
         sprintf(text + strlen(text), " %d/1", i);
+    }
     assert_int_equal(parse(text, strlen(text), &m), BTF_OK);
     assert_int_equal(m->triangle_count, 198);
     double sum = 0;
     for (uint32_t i = 0; i < m->triangle_count; i++) {
         vec3 p[3];
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; k++) {
             p[k] = vec_from(m->vertices[m->triangles[3 * i + k]].position);
+        }
         sum += vec_cross(vec_sub(p[1], p[0]), vec_sub(p[2], p[0])).z;
         assert_true(vec_cross(vec_sub(p[1], p[0]), vec_sub(p[2], p[0])).z > 0);
     }
@@ -307,19 +319,22 @@ static void test_hostile(void **state) {
         parse(quad, size, &m);
         mesh_destroy(&m);
     }
-    for (size_t i = 0; i < strlen(quad); i++)
+    for (size_t i = 0; i < strlen(quad); i++) {
         for (size_t k = 0; k < sizeof values; k++) {
             char text[sizeof quad];
             mesh *m;
             memcpy(text, quad, sizeof quad);
             text[i] = (char)values[k];
-            if (parse(text, strlen(quad), &m) == BTF_OK)
-                for (uint32_t c = 0; c < 3 * m->triangle_count; c++)
+            if (parse(text, strlen(quad), &m) == BTF_OK) {
+                for (uint32_t c = 0; c < 3 * m->triangle_count; c++) {
                     assert_true(m->triangles[c] < m->vertex_count);
-            else
+                }
+            } else {
                 assert_true(last[0] != '\0');
+            }
             mesh_destroy(&m);
         }
+    }
 }
 
 static void test_missing(void **state) {

@@ -59,12 +59,14 @@ static void plans_follow_the_camera(void **state) {
     assert_true(scene_of(&p)->view.theta[0] == 7.5f && scene_of(&p)->view.theta[1] == 37.5f);
     assert_true(scene_of(&p)->interpolate && !scene_of(&p)->light.fixed);
     const unsigned first = p.slot[p.current].number;
-    for (int step = 0; step < 5; step++) /* within the margin less two degrees */
+    for (int step = 0; step < 5; step++) { /* within the margin less two degrees */
         assert_int_equal(go(&p, whole, flat(20 + (float)step, 31 + (float)step, 30), false), PLANNER_KEEP);
+    }
     assert_int_equal(go(&p, whole, flat(26, 36, 30), false), PLANNER_MAKE); /* two degrees before the end */
     assert_true(scene_of(&p)->view.theta[1] == 45);
-    for (int i = 0; i < 10; i++) /* to and fro over the border: no flipping */
+    for (int i = 0; i < 10; i++) { /* to and fro over the border: no flipping */
         assert_int_equal(go(&p, whole, flat(i % 2 ? 24 : 26, i % 2 ? 34 : 36, 30), false), PLANNER_KEEP);
+    }
     assert_int_equal(go(&p, whole, flat(14, 24, 30), false), PLANNER_SWITCH); /* back: it is still there */
     assert_int_equal(p.slot[p.current].number, first);
     btf_scene near = flat(20, 30, 30);

@@ -29,19 +29,24 @@ static const sky fine = {WIDTH, HEIGHT, 2, map[0][0]};
 
 static void fill_map(void) {
     /* A sky that brightens to one side, black below, with a small sun. */
-    for (int y = 0; y < HEIGHT; y++)
-        for (int x = 0; x < WIDTH; x++)
-            for (int c = 0; c < 3; c++)
+    for (int y = 0; y < HEIGHT; y++) {
+        for (int x = 0; x < WIDTH; x++) {
+            for (int c = 0; c < 3; c++) {
                 map[y][x][c] = y > 11 ? 0 : (float)(x + 4 * c) / 32 + (y == 5 && x == 22 ? 60.0f : 0);
+            }
+        }
+    }
     map[3][3][1] = -1; /* counts as 0 */
 }
 
 /* Rings of so many directions each; returns how many in all. */
 static uint32_t make_rings(const int rings[][2], int count, float (*out)[3]) {
     uint32_t n = 0;
-    for (int r = 0; r < count; r++)
-        for (int i = 0; i < rings[r][1]; i++)
+    for (int r = 0; r < count; r++) {
+        for (int i = 0; i < rings[r][1]; i++) {
             vec_store(vec_from_angles(rings[r][0], 360.0 * i / rings[r][1]), out[n++]);
+        }
+    }
     return n;
 }
 
@@ -56,15 +61,18 @@ static int make(void **state) {
     fill_map();
     make_rings(view_rings, 3, views);
     make_rings(light_rings, 5, lights);
-    for (int i = 0; i < SIDE * SIDE; i++)
+    for (int i = 0; i < SIDE * SIDE; i++) {
         texels[i][0] = (int8_t)(40 + 5 * i);
-    for (int v = 0; v < 19; v++)
+    }
+    for (int v = 0; v < 19; v++) {
         for (int l = 0; l < 61; l++) {
             const vec3 half = vec_unit(vec_add(vec_from(views[v]), vec_from(lights[l])), vec(0, 0, 1));
-            for (int c = 0; c < 3; c++)
+            for (int c = 0; c < 3; c++) {
                 directions[c][v][l][0] =
                     (int8_t)(127 * (double)lights[l][2] * (0.1 + 0.05 * c + 0.8 * pow(half.z, 20)));
+            }
         }
+    }
     btf_material_desc desc = {
         .struct_size = sizeof desc,
         .info = {.struct_size = sizeof desc.info,
@@ -109,11 +117,13 @@ static light_list all_lights(const sky *of, double rotate, double gain, double t
                      c = cos(turn * RENDER_PI / 180), s = sin(turn * RENDER_PI / 180);
         const vec3 d = vec(level * sin(longitude), up, -level * cos(longitude));
         light l = {.at = vec(c * d.x - s * d.y, s * d.x + c * d.y, d.z)};
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; k++) {
             l.colour[k] = fmax((double)of->pixels[3 * (y / of->parts * of->width + x / of->parts) + k], 0) *
                           gain * (top - bottom) * (2 * RENDER_PI / columns) / RENDER_PI;
-        if (l.colour[0] > 0 || l.colour[1] > 0 || l.colour[2] > 0)
+        }
+        if (l.colour[0] > 0 || l.colour[1] > 0 || l.colour[2] > 0) {
             list.lights[list.count++] = l;
+        }
     }
     return list;
 }
@@ -149,8 +159,9 @@ static void compare(const picture *estimate, const picture *truth, const char *n
             all += (double)truth->rgb[3 * i + c];
         }
         const double mean = sum / PIXELS, sigma = sqrt((squares / PIXELS - mean * mean) / PIXELS);
-        if (!(fabs(mean) <= 3 * sigma) || (directions > 2 && !(sigma < 0.01 * all / PIXELS)))
+        if (!(fabs(mean) <= 3 * sigma) || (directions > 2 && !(sigma < 0.01 * all / PIXELS))) {
             fail_msg("%s, channel %d: off by %g, sigma %g, of %g", name, c, mean, sigma, all / PIXELS);
+        }
     }
 }
 
@@ -231,19 +242,21 @@ static void test_rows(void **state) {
     const table_scene scene = {.width = SIZE, .height = ROWS, .threads = 1};
     sampled_environment *e;
     (void)state;
-    for (int i = 0; i < ALL; i++)
+    for (int i = 0; i < ALL; i++) {
         samples[i] = (table_sample){.uv = {0.5f, 0.5f},
                                     .view = {0.6f, 0, 0.8f},
                                     .tangent = {1, 0, 0},
                                     .bitangent = {0, 1, 0},
                                     .normal = {0, 0, 1}};
+    }
     assert_int_equal(sampled_environment_create(WIDTH, HEIGHT, map[0][0], 0, 1, material, 8, NULL, &e),
                      BTF_OK);
     for (int index = 0; index < 8; index++) {
         sampled_environment_light(e, &scene, index, 0, ROWS, samples, inputs[0][0], weights[0][0]);
-        for (int row = 0; row < ROWS; row++)
+        for (int row = 0; row < ROWS; row++) {
             sampled_environment_light(e, &scene, index, row, 1, samples, inputs[1][row * SIZE],
                                       weights[1][row * SIZE]);
+        }
         assert_memory_equal(inputs[0], inputs[1], sizeof inputs[0]);
         assert_memory_equal(weights[0], weights[1], sizeof weights[0]);
         assert_memory_not_equal(inputs[0][0], inputs[0][SIZE], sizeof inputs[0][0]);
@@ -274,8 +287,9 @@ static void test_black(void **state) {
                           .samples = 1};
     assert_int_equal(sampled_environment_create(4, 2, black[0][0], 0, 1, material, 4, NULL, &e), BTF_OK);
     picture out = render(&scene, &none, e);
-    for (int i = 0; i < 3 * PIXELS; i++)
+    for (int i = 0; i < 3 * PIXELS; i++) {
         assert_true(out.rgb[i] == 0);
+    }
     picture_clear(&out);
     sampled_environment_destroy(&e);
     sampled_environment_destroy(NULL);

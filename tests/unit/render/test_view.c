@@ -55,12 +55,14 @@ static void test_switches(void **state) {
 static void test_choices(void **state) {
     (void)state;
     view_state s = fresh();
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         view_state_key(&s, 'M', text, sizeof text);
+    }
     assert_int_equal(s.mesh, 0);
     s.has_own_mesh = true;
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         view_state_key(&s, 'M', text, sizeof text);
+    }
     assert_int_equal(s.mesh, VIEW_OWN_MESH);
     view_state_key(&s, 'S', text, sizeof text);
     assert_int_equal(s.split, VIEW_SPLIT_SBRDF);
@@ -81,17 +83,20 @@ static void test_gestures(void **state) {
     view_state_drag(&s, VIEW_DRAG_ORBIT, -0.25,
                     0); /* a quarter of half a turn to the left: the camera goes right */
     assert_true(fabs(s.theta - 45) < 1e-9 && fabs(s.phi) < 1e-9);
-    for (int i = 0; i < 50; i++)
+    for (int i = 0; i < 50; i++) {
         view_state_drag(&s, VIEW_DRAG_ORBIT, 0.01, 0.2);
+    }
     assert_true(s.theta <= 90 && s.theta > 80); /* stops short of the pole, y up */
     assert_true(fabs(sin(s.theta * 0.017453292519943295) * sin(s.phi * 0.017453292519943295)) < 1);
     view_state_drag(&s, VIEW_DRAG_SPLIT, 3, 0);
     assert_true(s.split_at == 1);
-    for (int i = 0; i < 100; i++)
+    for (int i = 0; i < 100; i++) {
         view_state_scroll(&s, 1);
+    }
     assert_true(s.zoom == 3);
-    for (int i = 0; i < 100; i++)
+    for (int i = 0; i < 100; i++) {
         view_state_key(&s, '+', text, sizeof text);
+    }
     assert_true(s.exposure == 10);
     s.light_theta = 40;
     s.light_phi = 350;
@@ -143,8 +148,9 @@ static void test_costs(void **state) {
     assert_non_null(strstr(panel, "1 shadow   off   +2.5 ms  +10.0/+9.0 dB"));
     assert_true(costs_error(material, BTF_EFFECT_ALL)->psnr_linear == 30);
     assert_true(costs_error(material, BTF_EFFECT_ALL & ~1u)->psnr_linear == 20);
-    for (size_t size = 1; size < 200; size += 7) /* cut, never past the end */
+    for (size_t size = 1; size < 200; size += 7) { /* cut, never past the end */
         costs_text(&c, material, 0, panel, size);
+    }
     btf_material_close(&material);
 }
 
@@ -153,17 +159,22 @@ static void test_font(void **state) {
     (void)state;
     for (char a = ' '; a <= '~'; a++) {
         int set = 0;
-        for (int y = -1; y < FONT_HEIGHT; y++)
-            for (int x = -1; x < FONT_WIDTH; x++)
+        for (int y = -1; y < FONT_HEIGHT; y++) {
+            for (int x = -1; x < FONT_WIDTH; x++) {
                 set += font_pixel(a, x, y);
+            }
+        }
         assert_int_equal(set == 0, a == ' ');
         for (char b = ' '; b < a; b++) {
             bool same = true;
-            for (int y = 0; y < FONT_HEIGHT; y++)
-                for (int x = 0; x < FONT_WIDTH; x++)
+            for (int y = 0; y < FONT_HEIGHT; y++) {
+                for (int x = 0; x < FONT_WIDTH; x++) {
                     same = same && font_pixel(a, x, y) == font_pixel(b, x, y);
-            if (same)
+                }
+            }
+            if (same) {
                 fail_msg("'%c' looks like '%c'", a, b);
+            }
         }
     }
 }

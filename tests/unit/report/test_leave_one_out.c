@@ -73,23 +73,32 @@ static enc_data *render(relief_kind kind, const char *views, const char *lights,
 static enc_data *without(const enc_data *data, int view, int light) {
     enc_direction views[256], lights[256];
     int v = 0, l = 0;
-    for (int i = 0; i < data->n_views; i++)
-        if (i != view)
+    for (int i = 0; i < data->n_views; i++) {
+        if (i != view) {
             views[v++] = data->views[i];
-    for (int i = 0; i < data->n_lights; i++)
-        if (i != light)
+        }
+    }
+    for (int i = 0; i < data->n_lights; i++) {
+        if (i != light) {
             lights[l++] = data->lights[i];
+        }
+    }
     enc_data *out = NULL;
     assert_int_equal(enc_data_create(&context, data->width, data->height, v, views, l, lights, &out),
                      BTF_OK);
     float *to = out->samples;
-    for (size_t t = 0; t < enc_data_texel_count(data); t++)
-        for (int i = 0; i < data->n_views; i++)
-            for (int c = 0; c < 3; c++)
-                for (int k = 0; k < data->n_lights; k++)
-                    if (i != view && k != light)
+    for (size_t t = 0; t < enc_data_texel_count(data); t++) {
+        for (int i = 0; i < data->n_views; i++) {
+            for (int c = 0; c < 3; c++) {
+                for (int k = 0; k < data->n_lights; k++) {
+                    if (i != view && k != light) {
                         *to++ = data->samples[t * enc_data_texel_stride(data) +
                                               (size_t)((i * 3 + c) * data->n_lights + k)];
+                    }
+                }
+            }
+        }
+    }
     return out;
 }
 
@@ -104,13 +113,14 @@ static double error_without(const enc_data *data, int view, int light, int left)
     assert_int_equal(enc_blend_create(&context, rest, ENC_INTERPOLATE_LINEAR, &blend), BTF_OK);
     assert_int_equal(enc_blend_images(&context, blend, &pair, 1, image), BTF_OK);
     double sum = 0;
-    for (size_t t = 0; t < texels; t++)
+    for (size_t t = 0; t < texels; t++) {
         for (int c = 0; c < 3; c++) {
             const float truth = data->samples[t * enc_data_texel_stride(data) +
                                               (size_t)((view * 3 + c) * data->n_lights + light)];
             const double step = fmin(truth, 1) - fmin(image[3 * t + (size_t)c], 1);
             sum += step * step;
         }
+    }
     enc_blend_destroy(&blend);
     enc_data_destroy(&rest);
     free(image);
@@ -126,14 +136,17 @@ static void test_against_the_long_way(void **state) {
     assert_true(measured.views == 9 && measured.lights == 8);
     for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
         double sum = 0;
-        for (int v = 0; v < data->n_views; v++)
-            for (int l = 0; l < data->n_lights; l++)
+        for (int v = 0; v < data->n_views; v++) {
+            for (int l = 0; l < data->n_lights; l++) {
                 sum += error_without(data, v, l, left) / (data->n_views * data->n_lights);
+            }
+        }
         const enc_error_sum *found = &measured.error[left].data;
         assert_true(measured.error[left].material.count == 0);
-        if (fabs(enc_psnr_linear(found) + 10 * log10(sum)) > 0.1)
+        if (fabs(enc_psnr_linear(found) + 10 * log10(sum)) > 0.1) {
             fail_msg("left out %d: %f dB, the long way %f dB", left, enc_psnr_linear(found),
                      -10 * log10(sum));
+        }
     }
     enc_data_destroy(&data);
 }
@@ -162,16 +175,19 @@ static void test_an_exact_material(void **state) {
     reference_view(material, 0, &reference);
     const btf_ref_options options = {
         .effects = BTF_EFFECT_ALL, .components = UINT32_MAX, .interpolation = BTF_REF_NEAREST};
-    for (uint32_t t = 0; t < 30; t++)
-        for (int i = 0; i < 19; i++)
+    for (uint32_t t = 0; t < 30; t++) {
+        for (int i = 0; i < 19; i++) {
             for (int k = 0; k < 19; k++) {
                 float rgb[3];
                 btf_ref_evaluate_texel(&reference, &options, t % 6, t / 6, desc.lights + 3 * k,
                                        desc.views + 3 * i, rgb);
-                for (int c = 0; c < 3; c++)
+                for (int c = 0; c < 3; c++) {
                     data->samples[t * enc_data_texel_stride(data) + (size_t)((i * 3 + c) * 19 + k)] =
                         rgb[c];
+                }
             }
+        }
+    }
     enc_leave_one_out measured;
     assert_int_equal(enc_leave_one_out_measure(&context, data, material, &measured), BTF_OK);
     const enc_left_out_errors *view = &measured.error[ENC_LEFT_VIEW],
@@ -206,11 +222,12 @@ static enc_data *data_of(const btf_material_desc *desc) {
         const float *p = desc->lights + 3 * i;
         lights[i] = enc_direction_from_angles(acos(p[2]) * 180 / M_PI, atan2(p[1], p[0]) * 180 / M_PI);
     }
-    assert_int_equal(enc_data_create(&context, (int)desc->info.width, (int)desc->info.height, n_views, views, n_lights,
-                                     lights, &data),
+    assert_int_equal(enc_data_create(&context, (int)desc->info.width, (int)desc->info.height, n_views,
+                                     views, n_lights, lights, &data),
                      BTF_OK);
-    for (size_t i = 0; i < enc_data_texel_count(data) * enc_data_texel_stride(data); i++)
+    for (size_t i = 0; i < enc_data_texel_count(data) * enc_data_texel_stride(data); i++) {
         data->samples[i] = (float)(i * 37 % 101) / 101;
+    }
     return data;
 }
 
@@ -249,8 +266,9 @@ static void test_without_gloss(void **state) {
     const size_t head = 4 + (size_t)(with.view_bands.count + with.light_bands.count), row = 5 + 2 * cells;
     static const float rows[5] = {1, 2, 3, 9, 11};
     assert_int_equal(enc_leave_one_out_numbers(&with, numbers), head + 5 * row);
-    for (size_t i = 0; i < 5; i++)
+    for (size_t i = 0; i < 5; i++) {
         assert_true(numbers[head + i * row] == rows[i]);
+    }
     assert_true(numbers[head + 4 * row + 1] == fminf((float)with.error[ENC_LEFT_BOTH].no_gloss.linear, 1));
     enc_data_destroy(&data);
     btf_material_close(&material);
@@ -269,10 +287,12 @@ static void test_lights_of_gloss(void **state) {
     for (int i = 0; i < left.count; i++) {
         for (int v = 0; v < data->n_views; v++) {
             const uint32_t view = (uint32_t)v;
-            const btf_ref_neighbours views = {{view, (view + 1) % (uint32_t)data->n_views, 0}, {2048, 1024, 1024}};
+            const btf_ref_neighbours views = {{view, (view + 1) % (uint32_t)data->n_views, 0},
+                                              {2048, 1024, 1024}};
             btf_ref_neighbours lights[2][3];
-            for (int out = 0; out < 2; out++)
+            for (int out = 0; out < 2; out++) {
                 enc_left_out_lights_find(gloss, v, &views, left.index[i], out, lights[out]);
+            }
             for (int k = 0; k < 3; k++) {
                 assert_int_equal(lights[1][0].weight[k], left.near[i].weight[k]);
                 assert_true(left.near[i].weight[k] == 0 || lights[1][0].index[k] == left.near[i].index[k]);
@@ -282,7 +302,8 @@ static void test_lights_of_gloss(void **state) {
                 uint32_t sum = 0;
                 for (int k = 0; k < 3; k++) {
                     sum += lights[1][a].weight[k];
-                    assert_true(lights[1][a].weight[k] == 0 || lights[1][a].index[k] != (uint32_t)left.index[i]);
+                    assert_true(lights[1][a].weight[k] == 0 ||
+                                lights[1][a].index[k] != (uint32_t)left.index[i]);
                 }
                 assert_int_equal(sum, 4096);
             }

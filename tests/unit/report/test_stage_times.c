@@ -19,8 +19,9 @@ static char message[512];
 
 static void keep_message(void *user, btf_log_level level, const char *text) {
     (void)user;
-    if (level == BTF_LOG_ERROR)
+    if (level == BTF_LOG_ERROR) {
         snprintf(message, sizeof message, "%s", text);
+    }
 }
 static const enc_context context = {.log = {keep_message, NULL}, .threads = 1};
 
@@ -41,8 +42,9 @@ static btf_result read_bytes(const char *text, size_t length, enc_report_times *
 static void refused(const char *text, const char *said) {
     enc_report_times times;
     assert_int_equal(read_bytes(text, strlen(text), &times), BTF_ERROR_BAD_FILE);
-    if (!strstr(message, said))
+    if (!strstr(message, said)) {
         fail_msg("%s: '%s' does not say '%s'", text, message, said);
+    }
 }
 
 /* A report is read with its members in any order, with any spaces and escapes. */
@@ -112,8 +114,9 @@ static void test_members(void **state) {
 static void test_many_stages(void **state) {
     (void)state;
     char text[4096] = "{\"method\": \"joint\", \"core_seconds\": {\"total\": 1";
-    for (int i = 0; i < ENC_STAGE_TIMES; i++)
+    for (int i = 0; i < ENC_STAGE_TIMES; i++) {
         sprintf(text + strlen(text), ", \"s%d\": 1", i);
+    }
     strcat(text, "}}");
     refused(text, "member core_seconds lists more stages");
 }

@@ -88,12 +88,16 @@ static void test_white_is_the_cosine(void **state) {
     render(RELIEF_WHITE, 6, 2, "small", "ubo", 1, &data, &truth);
     assert_int_equal(data->n_lights, 81);
     assert_int_equal(data->n_views, 19);
-    for (int texel = 0; texel < 36; ++texel)
-        for (int v = 0; v < 19; ++v)
-            for (int c = 0; c < 3; ++c)
-                for (int l = 0; l < 81; ++l)
+    for (int texel = 0; texel < 36; ++texel) {
+        for (int v = 0; v < 19; ++v) {
+            for (int c = 0; c < 3; ++c) {
+                for (int l = 0; l < 81; ++l) {
                     assert_true(fabs(sample_at(data, texel % 6, texel / 6, v, c, l) -
                                      cos(data->lights[l].theta * PI / 180)) < 1e-6);
+                }
+            }
+        }
+    }
     enc_data_destroy(&data);
     sample_truth_destroy(&truth);
 }
@@ -109,8 +113,9 @@ static void test_flat_has_no_shadow_and_no_shift(void **state) {
         assert_true(truth->position[3 * i + 2] == 0);
         assert_int_equal(truth->hidden[i], 0);
     }
-    for (size_t i = 0; i < (size_t)19 * 19 * 64; ++i)
+    for (size_t i = 0; i < (size_t)19 * 19 * 64; ++i) {
         assert_int_equal(truth->shadow[i], 0);
+    }
     for (int texel = 0; texel < 64; ++texel) {
         double value = sample_at(data, texel % 8, texel / 8, 0, 0, 0);
         least = fmin(least, value);
@@ -145,8 +150,9 @@ static void test_axes(void **state) {
     assert_true(fabs(sample_at(data, 31, 23, 0, 1, 2) - 0.5 * sqrt(0.5)) < 1e-6);
     /* The shadow is as long as the post is high: 8 texels, within half a texel. */
     int length = 0;
-    for (int column = 0; column < 29; ++column)
+    for (int column = 0; column < 29; ++column) {
         length += truth->top_shadow[texels + 31 * 64 + (size_t)column];
+    }
     assert_in_range(length, 7, 9);
     /* Ground by parallax: seen from +x its shift is -8 columns, from +y +8 rows; the top stays. */
     for (int view = 1; view <= 4; ++view) {
@@ -212,8 +218,9 @@ static void test_normals_are_slopes(void **state) {
         const double *p = hit.position, *n = hit.normal;
         double edge_x = fabs(p[0] * 256 - nearbyint(p[0] * 256)),
                edge_y = fabs(p[1] * 256 - nearbyint(p[1] * 256));
-        if (edge_x < 1e-4 || edge_y < 1e-4)
+        if (edge_x < 1e-4 || edge_y < 1e-4) {
             continue; /* two patches meet there */
+        }
         double dx = (surface_height(r, p[0] + e, p[1]) - surface_height(r, p[0] - e, p[1])) / (2 * e);
         double dy = (surface_height(r, p[0], p[1] + e) - surface_height(r, p[0], p[1] - e)) / (2 * e);
         assert_true(fabs(-n[0] / n[2] - dx) < 1e-4 && fabs(-n[1] / n[2] - dy) < 1e-4);
@@ -226,10 +233,12 @@ static bool lit_by_marching(const relief *r, const double p[3], const double l[3
     double flat = sqrt(l[0] * l[0] + l[1] * l[1]), step = 0.25 / r->grid;
     for (double s = 4 * step;; s += step) {
         double z = p[2] + s * l[2] / flat;
-        if (z > 0)
+        if (z > 0) {
             return true;
-        if (surface_height(r, p[0] + s * l[0] / flat, p[1] + s * l[1] / flat) > z)
+        }
+        if (surface_height(r, p[0] + s * l[0] / flat, p[1] + s * l[1] / flat) > z) {
             return false;
+        }
     }
 }
 
@@ -250,8 +259,9 @@ static void test_shadows_against_marching(void **state) {
                 double v[3];
                 unit_vector(75 * number(&seed), 360 * number(&seed), v);
                 raycast_hit hit = raycast_view(r, number(&seed), number(&seed), v);
-                if (hit.normal[0] * l[0] + hit.normal[1] * l[1] + hit.normal[2] * l[2] <= 0)
+                if (hit.normal[0] * l[0] + hit.normal[1] * l[1] + hit.normal[2] * l[2] <= 0) {
                     continue; /* faces away: unlit whatever the shadow says */
+                }
                 bool truly = lit_by_marching(r, hit.position, l);
                 wrong += raycast_lit(&shadow, hit.position) != truly;
                 dark += !truly;
@@ -323,16 +333,18 @@ static void test_truth_agrees_with_the_images(void **state) {
             size_t index = view * texels + (size_t)texel;
             int column = texel % 64, row = texel / 64;
             raycast_hit hit = raycast_view(r, (column + 0.5) / 64, 1 - (row + 0.5) / 64, v);
-            for (int c = 0; c < 3; ++c)
+            for (int c = 0; c < 3; ++c) {
                 assert_true(truth->position[3 * index + (size_t)c] == (float)hit.position[c]);
+            }
             for (int light = 0; light < o->n_lights; ++light) {
                 double rgb[3];
                 bool lit = sample_shade(scene, &hit, v, light, rgb);
                 assert_int_equal(truth->shadow[(view * o->n_lights + light) * texels + (size_t)texel],
                                  !lit);
-                for (int c = 0; c < 3; ++c)
+                for (int c = 0; c < 3; ++c) {
                     assert_true(fabs(images[3 * (light * texels + (size_t)texel) + (size_t)c] - rgb[c]) <
                                 1e-6);
+                }
             }
             double top_x = (column + 0.5 + truth->shift[2 * index]) / 64;
             double top_y = 1 - (row + 0.5 + truth->shift[2 * index + 1]) / 64;
@@ -360,18 +372,21 @@ static void test_share_of_shadow(void **state) {
     const size_t points = 48 * 48 * 19 * 19;
     render(RELIEF_BRICKS, 48, 2, "small", "small", 1, &data, &truth);
     size_t dark = 0, zero = 0;
-    for (size_t i = 0; i < points; ++i)
+    for (size_t i = 0; i < points; ++i) {
         dark += truth->shadow[i];
-    for (size_t i = 0; i < points * 3; ++i)
+    }
+    for (size_t i = 0; i < points * 3; ++i) {
         zero += data->samples[i] <= 0;
+    }
     print_message("  bricks: %.1f %% in shadow\n", 100.0 * (double)dark / (double)points);
     assert_int_equal(zero, 0);
     assert_true((double)dark > 0.18 * (double)points && (double)dark < 0.28 * (double)points);
     enc_data_destroy(&data);
     sample_truth_destroy(&truth);
     render(RELIEF_BUMPS, 48, 2, "small", "small", 1, &data, &truth);
-    for (size_t i = 0; i < points * 3; ++i)
+    for (size_t i = 0; i < points * 3; ++i) {
         zero += data->samples[i] == 0;
+    }
     print_message("  bumps: %.1f %% exactly 0\n", 100.0 * (double)zero / (double)(3 * points));
     assert_true((double)zero > 0.04 * 3 * (double)points && (double)zero < 0.18 * 3 * (double)points);
     enc_data_destroy(&data);
@@ -442,15 +457,17 @@ static void test_directions(void **state) {
         int count = 0;
         assert_int_equal(directions_parse(NULL, good[i].text, &list, &count), BTF_OK);
         assert_int_equal(count, good[i].count);
-        for (int k = 1; k < count; ++k)
+        for (int k = 1; k < count; ++k) {
             assert_true(list[k].theta > list[k - 1].theta ||
                         (list[k].theta == list[k - 1].theta && list[k].phi > list[k - 1].phi));
+        }
         for (int k = 0; k < count; ++k) {
             double v[3];
             unit_vector(list[k].theta, list[k].phi, v);
             assert_true(list[k].phi >= 0 && list[k].phi < 360);
-            for (int c = 0; c < 3; ++c)
+            for (int c = 0; c < 3; ++c) {
                 assert_true(fabs(v[c] - list[k].xyz[c]) < 1e-6);
+            }
         }
         free(list);
     }
@@ -501,8 +518,9 @@ static void test_truth_files(void **state) {
     sample_truth *truth = NULL;
     assert_int_equal(sample_scene_create(&o, &scene), BTF_OK);
     assert_int_equal(sample_truth_create(scene, &truth), BTF_OK);
-    for (int view = 0; view <= 5; ++view)
+    for (int view = 0; view <= 5; ++view) {
         assert_int_equal(sample_scene_view(scene, view, NULL, truth), BTF_OK);
+    }
     assert_int_equal(truth_files_write(scene, truth, folder), BTF_OK);
     static const struct {
         const char *name, *dictionary;
@@ -529,8 +547,9 @@ static void test_truth_files(void **state) {
         assert_int_equal(size, header + files[i].bytes);
         assert_int_equal(bytes[header - 1], '\n');
         assert_non_null(strstr((const char *)bytes + 10, files[i].dictionary));
-        if (i == 0)
+        if (i == 0) {
             assert_memory_equal(bytes + header, truth->position, files[i].bytes);
+        }
         unlink(path);
     }
     snprintf(path, sizeof path, "%s/README.txt", folder);
@@ -582,8 +601,9 @@ static void test_random_pairs(void **state) {
         both += pairs[i].view.theta < third && pairs[i].light.theta < third;
     }
     /* five standard deviations and a half of 6000 draws: 200 of a third, 180 of a quarter, 135 of a ninth */
-    for (int k = 0; k < 2; ++k)
+    for (int k = 0; k < 2; ++k) {
         assert_true(abs(inner[k] - N / 3) < 200 && abs(quadrant[k] - N / 4) < 185);
+    }
     assert_true(abs(both - N / 9) < 135);
     assert_memory_equal(fewer, pairs, 10 * sizeof *pairs);
     assert_true(memcmp(others, pairs, 10 * sizeof *pairs) != 0);
@@ -602,9 +622,10 @@ static void test_an_orbit(void **state) {
     sample_pair *pairs = NULL;
     assert_int_equal(pairs_turn(NULL, PAIRS_ORBIT_VIEW, 8, 60, enc_direction_from_angles(20, -90), &pairs),
                      BTF_OK);
-    for (int i = 0; i < 8; ++i)
+    for (int i = 0; i < 8; ++i) {
         assert_true(pairs[i].view.theta == 60 && pairs[i].view.phi == 45 * i &&
                     pairs[i].light.theta == 20 && pairs[i].light.phi == 270);
+    }
     free(pairs);
 }
 
@@ -641,8 +662,9 @@ static void test_lists(void **state) {
                 pairs[0].light.phi == 40);
     assert_true(pairs[1].view.phi == 270 && pairs[1].light.theta == 0 && pairs[1].light.phi == 0);
     free(pairs);
-    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         assert_int_equal(read_list(wrong[i], &pairs, &count), BTF_ERROR_BAD_FILE);
+    }
     assert_int_equal(pairs_read(NULL, "/nowhere/list", &pairs, &count), BTF_ERROR_IO);
 }
 

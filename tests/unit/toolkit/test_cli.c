@@ -25,8 +25,9 @@ static struct {
 } values;
 
 static const char *parse_vowel(const char *text, void *value) {
-    if (!strchr("aeiou", text[0]) || text[1])
+    if (!strchr("aeiou", text[0]) || text[1]) {
         return "a vowel";
+    }
     *(char *)value = text[0];
     return NULL;
 }
@@ -83,8 +84,9 @@ static bool parse(const char *const *words, cli_arguments *arguments, int *exit_
     static char *argv[16];
     int argc = 0;
     argv[argc++] = (char *)(uintptr_t) "btf-test";
-    for (; *words; words++)
+    for (; *words; words++) {
         argv[argc++] = (char *)(uintptr_t)*words;
+    }
     FILE *file = tmpfile();
     assert_non_null(file);
     fflush(stdout);
@@ -124,8 +126,9 @@ static void bad(const char *const *words, const char *message) {
     int exit_code;
     assert_false(parse(words, &arguments, &exit_code));
     assert_int_equal(exit_code, 1);
-    if (!strstr(printed, message))
+    if (!strstr(printed, message)) {
         print_error("expected \"%s\" in \"%s\"\n", message, printed);
+    }
     assert_non_null(strstr(printed, message));
     assert_non_null(strstr(printed, "btf-test: error: "));
     assert_non_null(strstr(printed, "--help"));
@@ -195,14 +198,25 @@ static void test_mistakes(void **state) {
     static const struct {
         const char *text;
         uint64_t bytes;
-    } sizes[] = {{"2GB", 2000000000}, {"2GiB", 2147483648u}, {"2G", 2000000000},   {"2 GB", 2000000000},
-                 {"2gb", 2000000000}, {"2 g", 2000000000},   {"2gib", 2147483648u}, {"1.5kB", 1500},
-                 {"3KiB", 3072},      {"7B", 7},             {"7", 7},              {"1T", 1000000000000},
-                 {"1 TiB", 1099511627776}, {"5e3", 5000}};
+    } sizes[] = {{"2GB", 2000000000},
+                 {"2GiB", 2147483648u},
+                 {"2G", 2000000000},
+                 {"2 GB", 2000000000},
+                 {"2gb", 2000000000},
+                 {"2 g", 2000000000},
+                 {"2gib", 2147483648u},
+                 {"1.5kB", 1500},
+                 {"3KiB", 3072},
+                 {"7B", 7},
+                 {"7", 7},
+                 {"1T", 1000000000000},
+                 {"1 TiB", 1099511627776},
+                 {"5e3", 5000}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         good(WORDS("a", "--bytes", sizes[i].text));
-        if (values.bytes != sizes[i].bytes)
+        if (values.bytes != sizes[i].bytes) {
             fail_msg("%s gave %llu", sizes[i].text, (unsigned long long)values.bytes);
+        }
     }
     bad(WORDS("a", "--bytes", "5Q"), "'5Q' is not a number of bytes");
     bad(WORDS("a", "--bytes", "5 "), "'5 ' is not a number of bytes");
@@ -228,10 +242,12 @@ static void test_numbers(void **state) {
     assert_true(cli_parse_int("-2147483648", "", &n, NULL) && n == -2147483647 - 1);
     const char *const no_int[] = {"", " 1", "4294967297", "99999999999999999999", "1x", "0x1", "1.0", "x"};
     const char *const no_double[] = {"", " 1", "nan", "inf", "1e999", "1,", ",1", "."};
-    for (size_t i = 0; i < sizeof no_int / sizeof *no_int; i++)
+    for (size_t i = 0; i < sizeof no_int / sizeof *no_int; i++) {
         assert_false(cli_parse_int(no_int[i], "", &n, NULL));
-    for (size_t i = 0; i < sizeof no_double / sizeof *no_double; i++)
+    }
+    for (size_t i = 0; i < sizeof no_double / sizeof *no_double; i++) {
         assert_false(cli_parse_double(no_double[i], "", &x, NULL));
+    }
 }
 
 static void test_help(void **state) {
@@ -250,8 +266,9 @@ static void test_help(void **state) {
                                            "4  internal error, out of memory",
                                            "Example:\n  btf-test a",
                                            "Details."};
-    for (size_t i = 0; i < sizeof expected / sizeof *expected; i++)
+    for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
         assert_non_null(strstr(printed, expected[i]));
+    }
     assert_false(parse(WORDS("--version"), &arguments, &exit_code));
     assert_int_equal(exit_code, 0);
     assert_non_null(strstr(printed, "btf-test"));

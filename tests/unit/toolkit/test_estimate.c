@@ -87,8 +87,9 @@ static size_t plan(const recording *r, estimate_part *parts) {
 
 static double length_of(const recording *r) {
     double sum = 0;
-    for (const recorded *s = r->stages; s->stage; s++)
+    for (const recorded *s = r->stages; s->stage; s++) {
         sum += s->seconds;
+    }
     return sum;
 }
 
@@ -110,8 +111,9 @@ static void play(const recording *r, const estimate_part *parts, size_t count, d
             assert_true(estimate_fraction(&e) >= fraction);
             assert_true(estimate_fraction(&e) <= 1);
             fraction = estimate_fraction(&e);
-            while (marks < 3 && now - 1000 >= length * 0.25 * (marks + 1))
+            while (marks < 3 && now - 1000 >= length * 0.25 * (marks + 1)) {
                 left[marks++] = estimate_left(&e, now);
+            }
         }
         estimate_stage_end(&e, s->part, now);
         assert_true(estimate_fraction(&e) >= fraction);
@@ -133,9 +135,10 @@ static void test_recordings(void **state) {
             play(r, parts, count, speed, left);
             for (int mark = 0; mark < 3; mark++) {
                 const double truth = length_of(r) * speed * (1 - 0.25 * (mark + 1));
-                if (speed == 4)
+                if (speed == 4) {
                     print_message("%s: at %d %% of the time %.1f s left, predicted %.1f\n", r->name,
                                   25 * (mark + 1), truth, left[mark]);
+                }
                 assert_true(fabs(left[mark] / truth - 1) <= 0.35);
             }
         }
@@ -151,11 +154,13 @@ static void test_equal_weights(void **state) {
         estimate_part parts[ESTIMATE_PARTS];
         double left[3];
         const size_t count = plan(r, parts);
-        for (size_t p = 0; p < count; p++)
+        for (size_t p = 0; p < count; p++) {
             parts[p].cost = 1;
+        }
         play(r, parts, count, 1, left);
-        for (int mark = 0; mark < 3; mark++)
+        for (int mark = 0; mark < 3; mark++) {
             worst = fmax(worst, fabs(left[mark] / (length_of(r) * (1 - 0.25 * (mark + 1))) - 1));
+        }
     }
     print_message("equal weights: up to %.0f %% off\n", 100 * worst);
     assert_true(worst > 0.35);
@@ -209,8 +214,9 @@ static void test_sizes(void **state) {
             const size_t count = enc_cost_parts(&context, &job, &extent, parts);
             const double total = enc_cost_total(parts, count);
             assert_true(count <= ESTIMATE_PARTS && isfinite(total) && total > before);
-            for (size_t p = 0; p < count; p++)
+            for (size_t p = 0; p < count; p++) {
                 assert_true(parts[p].cost >= 0 && isfinite(parts[p].cost));
+            }
             before = total;
         }
     }

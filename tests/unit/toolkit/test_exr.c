@@ -41,8 +41,9 @@ static btf_result read_parts(const bytes_part *parts, int count, exr_image *out_
 
 static exr_image read_good(const bytes_part *parts, int count) {
     exr_image image = {0};
-    if (read_parts(parts, count, &image) != BTF_OK)
+    if (read_parts(parts, count, &image) != BTF_OK) {
         fail_msg("%s", message);
+    }
     return image;
 }
 
@@ -50,10 +51,12 @@ static void expect_refused(const bytes_part *parts, int count, const char *words
     exr_image image = {0};
     const btf_result result = read_parts(parts, count, &image);
     free(image.pixels);
-    if (result != BTF_ERROR_UNSUPPORTED && result != BTF_ERROR_BAD_FILE)
+    if (result != BTF_ERROR_UNSUPPORTED && result != BTF_ERROR_BAD_FILE) {
         fail_msg("%s: %d", words, result);
-    if (!strstr(message, words))
+    }
+    if (!strstr(message, words)) {
         fail_msg("\"%s\" does not say \"%s\"", message, words);
+    }
 }
 
 /* A value of a half for each channel and place. */
@@ -93,8 +96,9 @@ static float chroma_value(int c, int x, int y) {
 static bytes_part chroma_part(bool alpha, int type, int xs, int ys, int width, int height) {
     bytes_part p = {.width = width, .height = height, .value = chroma_value};
     first_channel = alpha ? 0 : 1;
-    if (alpha)
+    if (alpha) {
         p.channels[p.channel_count++] = (bytes_channel){"A", type, 1, 1};
+    }
     p.channels[p.channel_count++] = (bytes_channel){"BY", type, xs, ys};
     p.channels[p.channel_count++] = (bytes_channel){"RY", type, xs, ys};
     p.channels[p.channel_count++] = (bytes_channel){"Y", type, 1, 1};
@@ -104,7 +108,7 @@ static bytes_part chroma_part(bool alpha, int type, int xs, int ys, int width, i
 static void expect_colours(const exr_image *image, double tolerance) {
     assert_int_equal(image->channels, 3);
     assert_false(image->xyz);
-    for (int y = 0; y < image->height; y++)
+    for (int y = 0; y < image->height; y++) {
         for (int x = 0; x < image->width; x++) {
             float rgb[3];
             colour_at(x, y, rgb);
@@ -112,10 +116,12 @@ static void expect_colours(const exr_image *image, double tolerance) {
                 const float *p = image->pixels + ((size_t)y * (size_t)image->width + (size_t)x) * 3;
                 /* behind the last chroma sample the last one is repeated */
                 const bool edge = x == image->width - 1 || y == image->height - 1;
-                if (!(fabsf(p[c] - rgb[c]) <= tolerance * (edge ? 3 : 1)))
+                if (!(fabsf(p[c] - rgb[c]) <= tolerance * (edge ? 3 : 1))) {
                     fail_msg("(%d,%d) channel %d: %g, not %g", x, y, c, (double)p[c], (double)rgb[c]);
+                }
             }
         }
+    }
 }
 
 /* Luminance and chroma, with and without alpha, half and float, chroma in every pixel or in every second
@@ -163,8 +169,9 @@ static void test_chroma_compressed(void **state) {
         size_t size;
         exr_image image = {0};
         void *data = read_whole_file(path, &size);
-        if (exr_image_read(data, size, 1 << 20, NULL, &image, &info, message, sizeof message) != BTF_OK)
+        if (exr_image_read(data, size, 1 << 20, NULL, &image, &info, message, sizeof message) != BTF_OK) {
             fail_msg("compression %d: %s", p.compression, message);
+        }
         free(data);
         expect_colours(&image, 4e-3);
         free(image.pixels);
@@ -178,13 +185,14 @@ static void test_sampling(void **state) {
     (void)state;
     static const char *const sets[] = {"Y", "AY", "BGR", "ABGR", "ABGRZ", "BGY", "ABYZ", "ABUYZ", "XYZ"};
     static const int widths[] = {1, 2, 3, 4, 6, 14, 33, 34, 100, 4094, 199999, 200000};
-    for (size_t s = 0; s < sizeof sets / sizeof sets[0]; s++)
-        for (size_t w = 0; w < sizeof widths / sizeof widths[0]; w++)
+    for (size_t s = 0; s < sizeof sets / sizeof sets[0]; s++) {
+        for (size_t w = 0; w < sizeof widths / sizeof widths[0]; w++) {
             for (int which = 0; which < 1 << (strlen(sets[s])); which++) {
                 char names[5][2] = {{0}};
                 bytes_part p = {.width = widths[w], .height = 2, .value = some_value};
-                if (widths[w] > 100 && which % 5 != 3 && which != 1)
+                if (widths[w] > 100 && which % 5 != 3 && which != 1) {
                     continue; /* wide ones: a few of each */
+                }
                 bool colour = false;
                 const char *wanted = strstr(sets[s], "BGR") ? "RGB" : strstr(sets[s], "XYZ") ? "XYZ" : "Y";
                 for (int c = 0; sets[s][c]; c++) {
@@ -207,21 +215,25 @@ static void test_sampling(void **state) {
                 }
                 free(image.pixels);
             }
+        }
+    }
 }
 
 /* The chroma of narrow, flat and wide images: every place is written. */
 static void test_chroma_sizes(void **state) {
     (void)state;
     static const int sizes[][2] = {{2, 2}, {4, 2}, {2, 4}, {6, 30}, {30, 6}, {200000, 2}, {2, 20000}};
-    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++)
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         for (int alpha = 0; alpha < 2; alpha++) {
             const bytes_part p = chroma_part(alpha, BYTES_HALF, 2, 2, sizes[i][0], sizes[i][1]);
             exr_image image = read_good(&p, 1);
             assert_int_equal(image.width, sizes[i][0]);
-            for (int k = 0; k < 3 * image.width * image.height; k++)
+            for (int k = 0; k < 3 * image.width * image.height; k++) {
                 assert_true(image.pixels[k] > 0.1f && image.pixels[k] < 2.0f);
+            }
             free(image.pixels);
         }
+    }
 }
 
 /* Sampling that is not of the format, or that chroma is not read with: refused, whichever channel has it. */
@@ -231,13 +243,14 @@ static void test_sampling_out_of_spec(void **state) {
                                      {2, -2},        {3, 1},         {1, 5},
                                      {INT32_MAX, 1}, {1, INT32_MAX}, {INT32_MIN, INT32_MIN},
                                      {65536, 65536}, {7, 7},         {32, 32}};
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         for (int c = 0; c < 4; c++) {
             bytes_part p = chroma_part(true, BYTES_HALF, 2, 2, 8, 4);
             p.channels[c].xs = bad[i][0];
             p.channels[c].ys = bad[i][1];
             expect_refused(&p, 1, "EXR");
         }
+    }
     bytes_part p = chroma_part(false, BYTES_HALF, 4, 4, 16, 16);
     expect_refused(&p, 1, "BY is subsampled 4 x 4");
     p = chroma_part(false, BYTES_HALF, 2, 2, 7, 4); /* does not divide the window */
@@ -264,8 +277,9 @@ static bytes_part part_of(const char *name, const char *channels) {
     bytes_part p = {.name = name, .width = 4, .height = 3, .value = channel_value};
     char *at = names[next++ % 16];
     snprintf(at, 256, "%s", channels);
-    for (at = strtok(at, "/"); at; at = strtok(NULL, "/"))
+    for (at = strtok(at, "/"); at; at = strtok(NULL, "/")) {
         p.channels[p.channel_count++] = (bytes_channel){at, BYTES_HALF, 1, 1};
+    }
     return p;
 }
 
@@ -276,12 +290,14 @@ static void expect_channels(const bytes_part *parts, int count, const char *name
     exr_image image = read_good(parts, count);
     layer = NULL;
     assert_int_equal(image.channels, n);
-    for (int i = 0; i < 12 * n; i++)
+    for (int i = 0; i < 12 * n; i++) {
         assert_true(image.pixels[i] == channel_value(channels[i % n], 0, 0));
+    }
     free(image.pixels);
     const char *text = info.notes.texts[IMAGE_NOTE_LAYER];
-    if (note ? !strstr(text, note) : text[0] != '\0')
+    if (note ? !strstr(text, note) : text[0] != '\0') {
         fail_msg("note \"%s\", not \"%s\"", text, note ? note : "");
+    }
 }
 
 static const int bgr[3] = {2, 1, 0};
@@ -367,18 +383,21 @@ static void test_many_layers(void **state) {
     static bytes_part p;
     for (int many = 0; many < 2; many++) { /* colours beside 100 layers, then the 100 alone */
         p = (bytes_part){.width = 1, .height = 1, .value = number_value};
-        for (int l = 0; l < LAYERS; l++)
+        for (int l = 0; l < LAYERS; l++) {
             for (int c = 0; c < 3; c++) {
                 snprintf(names[3 * l + c], sizeof names[0], "Al%03d.%c", l, "BGR"[c]);
                 p.channels[p.channel_count++] = (bytes_channel){names[3 * l + c], BYTES_HALF, 1, 1};
             }
-        for (int c = 0; c < 3 && !many; c++) /* by name behind them all */
+        }
+        for (int c = 0; c < 3 && !many; c++) { /* by name behind them all */
             p.channels[p.channel_count++] = (bytes_channel){&"B\0G\0R"[2 * c], BYTES_HALF, 1, 1};
+        }
         layer = many ? "Al099" : NULL;
         exr_image image = read_good(&p, 1);
         layer = NULL;
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             assert_true(image.pixels[c] == (float)(p.channel_count - 1 - c));
+        }
         free(image.pixels);
     }
     expect_refused(&p, 1, "--layer NAME picks one");
@@ -413,10 +432,11 @@ static void test_compression(void **state) {
     bytes_part p = part_of(NULL, "B/G/R");
     for (int k = 0; k < 10; k++) {
         p.compression = k;
-        if (k < 6)
+        if (k < 6) {
             expect_channels(&p, 1, NULL, 3, bgr, NULL);
-        else
+        } else {
             expect_refused(&p, 1, names[k - 6]);
+        }
     }
 }
 
@@ -445,8 +465,9 @@ static void test_chromaticities(void **state) {
     for (int c = 0; c < 3; c++) {
         float pixel[3] = {in_ap1[c][0], in_ap1[c][1], in_ap1[c][2]};
         primaries_apply(info.to_rec709, 1, pixel);
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; k++) {
             assert_true(fabsf(pixel[k] - (float)(k == c)) < 5e-4f);
+        }
     }
     p.attributes[0].value = xyz; /* white E becomes white */
     image = read_good(&p, 1);
@@ -454,8 +475,9 @@ static void test_chromaticities(void **state) {
     float white[3] = {1, 1, 1};
     assert_true(info.converts);
     primaries_apply(info.to_rec709, 1, white);
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; k++) {
         assert_true(fabsf(white[k] - 1) < 1e-4f);
+    }
     p.attributes[0].value = same;
     image = read_good(&p, 1);
     free(image.pixels);
@@ -503,13 +525,15 @@ static void test_notes(void **state) {
         add(&p, spaces[k].name, spaces[k].type, spaces[k].value, text ? strlen(spaces[k].value) : 4);
         free(read_good(&p, 1).pixels);
         const char *note = info.notes.texts[IMAGE_NOTE_SPACE];
-        if (spaces[k].note ? !strstr(note, spaces[k].note) : note[0] != '\0')
+        if (spaces[k].note ? !strstr(note, spaces[k].note) : note[0] != '\0') {
             fail_msg("%s: \"%s\"", spaces[k].name, note);
+        }
     }
     p = part_of(NULL, "A/B/G/R");
     free(read_good(&p, 1).pixels);
-    for (int k = 0; k < IMAGE_NOTE_KINDS; k++)
+    for (int k = 0; k < IMAGE_NOTE_KINDS; k++) {
         assert_true(info.notes.texts[k][0] == '\0');
+    }
 }
 
 /* The other view of a stereo picture in one part is told of. */
@@ -519,7 +543,8 @@ static void test_views(void **state) {
     bytes_part p = part_of(NULL, "B/G/R/right.B/right.G/right.R");
     add(&p, "multiView", "stringvector", views, sizeof views - 1);
     expect_channels(&p, 1, NULL, 3, bgr, NULL);
-    assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_PARTS], "\"left\" is read (--layer right reads another)"));
+    assert_non_null(
+        strstr(info.notes.texts[IMAGE_NOTE_PARTS], "\"left\" is read (--layer right reads another)"));
     expect_channels(&p, 1, "right", 3, (const int[]){5, 4, 3}, NULL);
     assert_true(info.notes.texts[IMAGE_NOTE_PARTS][0] == '\0');
     p.attributes[0].size = 8; /* one view */
@@ -557,19 +582,19 @@ static float reflectance(int c, int x, int y) {
 /* Channels by wavelength as several programs name them: white is white, a line at the last band is red. */
 static void test_spectrum(void **state) {
     (void)state;
-    static const char *const formats[] = {"%dnm",     "w%dnm",          "T.%d,000000nm",
-                                          "T.%d.0nm", "S0.%d,000000nm", "%d.0nm",
-                                          "%d.00-%d.00nm",   "m.%d-%dnm"};
+    static const char *const formats[] = {"%dnm",           "w%dnm",  "T.%d,000000nm", "T.%d.0nm",
+                                          "S0.%d,000000nm", "%d.0nm", "%d.00-%d.00nm", "m.%d-%dnm"};
     for (size_t f = 0; f < sizeof formats / sizeof *formats; f++) {
         static char names[31][32];
         bytes_part p = {.width = 2, .height = 3, .value = reflectance};
         for (int b = 0; b < 31; b++) { /* names of three digits rise with the wavelength */
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
-            if (strchr(formats[f], '-')) /* a band, of the same middle */
+            if (strchr(formats[f], '-')) { /* a band, of the same middle */
                 snprintf(names[b], sizeof names[b], formats[f], 395 + 10 * b, 405 + 10 * b);
-            else
+            } else {
                 snprintf(names[b], sizeof names[b], formats[f], 400 + 10 * b);
+            }
 #pragma GCC diagnostic pop
             p.channels[p.channel_count++] = (bytes_channel){names[b], BYTES_FLOAT, 1, 1};
         }
@@ -582,8 +607,9 @@ static void test_spectrum(void **state) {
             assert_true(fabsf(white[0] - 1.205f) < 0.02f && fabsf(white[1] - 0.948f) < 0.02f &&
                         fabsf(white[2] - 0.909f) < 0.02f);
         } else {
-            for (int c = 0; c < 3; c++)
+            for (int c = 0; c < 3; c++) {
                 assert_true(fabsf(white[c] - 1.0f) < 1e-5f);
+            }
         }
         assert_true(line[0] > 0 && fabsf(line[1]) < line[0] && fabsf(line[2]) < 0.2f * line[0]);
         assert_true(red[0] > 0.8f * white[0] && fabsf(red[1]) < 0.1f && fabsf(red[2]) < 0.1f);

@@ -51,8 +51,9 @@ static enc_image decode(void) {
     void *data = read_whole_file(file, &size);
     const btf_result result = enc_image_decode(data, size, &image, message, sizeof message);
     free(data);
-    if (result != BTF_OK)
+    if (result != BTF_OK) {
         fail_msg("%s", message);
+    }
     assert_int_equal(image.width, W);
     assert_int_equal(image.height, H);
     return image;
@@ -66,8 +67,9 @@ static void expect_error(btf_result expected, const char *text) {
     const btf_result result = enc_image_decode(data, size, &image, message, sizeof message);
     free(data);
     assert_int_equal(result, expected);
-    if (!strstr(message, text))
+    if (!strstr(message, text)) {
         fail_msg("\"%s\" does not say \"%s\"", message, text);
+    }
 }
 
 /* Every prefix of `file`, in a buffer of just its size, is refused with a message. */
@@ -82,8 +84,9 @@ static void expect_prefixes_refused(void) {
         memcpy(prefix, data, n);
         const btf_result result = enc_image_decode(prefix, n, &image, message, sizeof message);
         free(prefix);
-        if (result == BTF_OK)
+        if (result == BTF_OK) {
             fail_msg("%zu of %zu bytes were taken for an image", n, size);
+        }
         assert_true(result == BTF_ERROR_BAD_FILE || result == BTF_ERROR_UNSUPPORTED);
         assert_true(message[0]);
     }
@@ -99,8 +102,9 @@ static void expect_bytes(const enc_image *image, int channels, const unsigned ch
 static void test_png_rgb(void **state) {
     (void)state;
     unsigned char rgb[W * H * 3];
-    for (int i = 0; i < W * H * 3; i++)
+    for (int i = 0; i < W * H * 3; i++) {
         rgb[i] = byte_at(i);
+    }
     assert_int_equal(png_image_write8(file, W, H, rgb, no_log), BTF_OK);
     enc_image image = decode();
     expect_bytes(&image, 3, rgb);
@@ -115,8 +119,9 @@ static void test_png_rgb(void **state) {
 static void test_png_16(void **state) {
     (void)state;
     unsigned short rgb[W * H * 3];
-    for (int i = 0; i < W * H * 3; i++)
+    for (int i = 0; i < W * H * 3; i++) {
         rgb[i] = (unsigned short)(i * 257 + i % 7);
+    }
     assert_int_equal(png_image_write16(file, W, H, rgb, no_log), BTF_OK);
     enc_image image = decode();
     assert_int_equal(image.depth, 16);
@@ -125,24 +130,28 @@ static void test_png_16(void **state) {
     enc_image_clear(&image);
     /* grey, as bytes: the higher one first */
     unsigned char grey[W * H * 2];
-    for (int i = 0; i < W * H * 2; i++)
+    for (int i = 0; i < W * H * 2; i++) {
         grey[i] = byte_at(i);
+    }
     write_png(file, W, H, PNG_COLOR_TYPE_GRAY, 16, false, grey, NULL);
     image = decode();
     assert_int_equal(image.depth, 16);
     assert_int_equal(image.channels, 1);
-    for (int i = 0; i < W * H; i++)
+    for (int i = 0; i < W * H; i++) {
         assert_int_equal(((unsigned short *)image.pixels)[i], grey[2 * i] * 256 + grey[2 * i + 1]);
+    }
     enc_image_clear(&image);
 }
 
 static void test_png_kinds(void **state) {
     (void)state;
     unsigned char in[W * H * 4], out[W * H * 3], palette[3 * 256];
-    for (int i = 0; i < W * H * 4; i++)
+    for (int i = 0; i < W * H * 4; i++) {
         in[i] = byte_at(i);
-    for (int i = 0; i < 3 * 256; i++)
+    }
+    for (int i = 0; i < 3 * 256; i++) {
         palette[i] = (unsigned char)(255 - i % 256);
+    }
 
     write_png(file, W, H, PNG_COLOR_TYPE_GRAY, 8, false, in, NULL);
     enc_image image = decode();
@@ -150,32 +159,37 @@ static void test_png_kinds(void **state) {
     enc_image_clear(&image);
 
     write_png(file, W, H, PNG_COLOR_TYPE_RGB_ALPHA, 8, false, in, NULL);
-    for (int i = 0; i < W * H * 3; i++)
+    for (int i = 0; i < W * H * 3; i++) {
         out[i] = in[i / 3 * 4 + i % 3];
+    }
     image = decode();
     expect_bytes(&image, 3, out);
     enc_image_clear(&image);
 
     write_png(file, W, H, PNG_COLOR_TYPE_GRAY_ALPHA, 8, false, in, NULL);
-    for (int i = 0; i < W * H; i++)
+    for (int i = 0; i < W * H; i++) {
         out[i] = in[2 * i];
+    }
     image = decode();
     expect_bytes(&image, 1, out);
     enc_image_clear(&image);
 
     write_png(file, W, H, PNG_COLOR_TYPE_PALETTE, 8, false, in, palette);
-    for (int i = 0; i < W * H * 3; i++)
+    for (int i = 0; i < W * H * 3; i++) {
         out[i] = palette[3 * in[i / 3] + i % 3];
+    }
     image = decode();
     expect_bytes(&image, 3, out);
     enc_image_clear(&image);
 
     /* 4 bits a pixel, two in a byte, rows begin anew */
     write_png(file, W, H, PNG_COLOR_TYPE_GRAY, 4, false, in, NULL);
-    for (int row = 0; row < H; row++)
-        for (int x = 0; x < W; x++)
+    for (int row = 0; row < H; row++) {
+        for (int x = 0; x < W; x++) {
             out[row * W + x] =
                 (unsigned char)((in[row * ((W + 1) / 2) + x / 2] >> (x % 2 ? 0 : 4) & 15) * 17);
+        }
+    }
     image = decode();
     expect_bytes(&image, 1, out);
     enc_image_clear(&image);
@@ -185,8 +199,9 @@ static void test_png_kinds(void **state) {
 static void test_png_damaged(void **state) {
     (void)state;
     unsigned char rgb[W * H * 3];
-    for (int i = 0; i < W * H * 3; i++)
+    for (int i = 0; i < W * H * 3; i++) {
         rgb[i] = byte_at(i);
+    }
     assert_int_equal(png_image_write8(file, W, H, rgb, no_log), BTF_OK);
     size_t size;
     unsigned char *data = read_whole_file(file, &size);
@@ -208,8 +223,9 @@ static void test_jpeg(void **state) {
     enc_image image = decode();
     assert_int_equal(image.depth, 8);
     assert_int_equal(image.channels, 3);
-    for (int i = 0; i < W * H * 3; i++)
+    for (int i = 0; i < W * H * 3; i++) {
         assert_true(abs(((unsigned char *)image.pixels)[i] - rgb[i]) <= 3);
+    }
     enc_image_clear(&image);
     expect_prefixes_refused();
 
@@ -231,8 +247,9 @@ static void test_jpeg_orientation(void **state) {
                                          0,    42,   0, 0,  0,   8,   0,   1,   1, 0x12, 0,   3,
                                          0,    0,    0, 1,  0,   6,   0,   0,   0, 0,    0,   0};
     unsigned char rgb[W * H * 3];
-    for (int i = 0; i < W * H * 3; i++)
+    for (int i = 0; i < W * H * 3; i++) {
         rgb[i] = (unsigned char)(i / 3 / W * 10);
+    }
     assert_int_equal(jpeg_image_write(file, W, H, rgb, 100, no_log), BTF_OK);
     size_t size;
     unsigned char *data = read_whole_file(file, &size);
@@ -252,8 +269,9 @@ static void test_hdr(void **state) {
     static const hdr_coding codings[] = {HDR_FLAT, HDR_OLD_RUNS, HDR_NEW_RUNS};
     unsigned char rgbe[W * H * 4];
     for (int i = 0; i < W * H; i++) {
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             rgbe[4 * i + c] = (unsigned char)(128 + (i / 3 * 5 + c * 40) % 128); /* runs of three */
+        }
         rgbe[4 * i + 3] = i % 17 < 3 ? 0 : (unsigned char)(120 + i / 3 % 20);
     }
     for (int k = 0; k < 6; k++) {
@@ -296,8 +314,9 @@ static void test_hdr(void **state) {
 static void test_hdr_of_atrium(void **state) {
     (void)state;
     unsigned char rgbe[W * H * 4];
-    for (int i = 0; i < W * H * 4; i++)
+    for (int i = 0; i < W * H * 4; i++) {
         rgbe[i] = (unsigned char)(i % 4 == 3 ? 128 : 128 + i % 97);
+    }
     write_hdr(file, W, H, rgbe, HDR_NEW_RUNS, "", true);
     size_t size;
     unsigned char *data = read_whole_file(file, &size);
@@ -312,16 +331,18 @@ static void test_hdr_of_atrium(void **state) {
     enc_image image = decode();
     assert_int_equal(image.width, W);
     assert_int_equal(image.height, H);
-    for (int i = 0; i < W * H * 3; i++)
+    for (int i = 0; i < W * H * 3; i++) {
         assert_true(((float *)image.pixels)[i] == (float)ldexp(rgbe[i / 3 * 4 + i % 3], -8));
+    }
     enc_image_clear(&image);
 }
 
 static void test_exr(void **state) {
     (void)state;
     float rgb[W * H * 3];
-    for (int i = 0; i < W * H * 3; i++)
+    for (int i = 0; i < W * H * 3; i++) {
         rgb[i] = ldexpf((float)(1 + i % 1000), i % 5 - 12);
+    }
     for (int half = 0; half < 2; half++) {
         rgb[4] = half ? 1e6f : -1e30f;
         assert_int_equal(exr_image_write(file, W, H, rgb, half, no_log), BTF_OK);
@@ -356,7 +377,8 @@ static void test_exr_noise(void **state) {
             exr_image image = {0};
             image_info info = {0};
             void *data = read_whole_file(file, &size);
-            assert_int_equal(exr_image_read(data, size, 1 << 20, NULL, &image, &info, message, sizeof message), BTF_OK);
+            assert_int_equal(
+                exr_image_read(data, size, 1 << 20, NULL, &image, &info, message, sizeof message), BTF_OK);
             assert_memory_equal(image.pixels, rgb, sizeof *rgb * (size_t)(width * height * 3));
             free(image.pixels);
             free(data);
@@ -367,15 +389,18 @@ static void test_exr_noise(void **state) {
 static void test_exr_tiled(void **state) {
     (void)state;
     float pixels[W * H * 4];
-    for (int i = 0; i < W * H * 4; i++)
+    for (int i = 0; i < W * H * 4; i++) {
         pixels[i] = ldexpf((float)(1 + i % 1000), i % 5 - 12);
+    }
     write_exr_tiled(file, W, H, 4, "ABGR", pixels);
     enc_image image = decode();
     assert_int_equal(image.channels, 3);
     assert_false(image.xyz);
-    for (int i = 0; i < W * H; i++)
-        for (int c = 0; c < 3; c++)
+    for (int i = 0; i < W * H; i++) {
+        for (int c = 0; c < 3; c++) {
             assert_true(((float *)image.pixels)[3 * i + c] == pixels[4 * i + 3 - c]);
+        }
+    }
     enc_image_clear(&image);
 
     write_exr_tiled(file, W, H, 3, "XYZ", pixels);
@@ -397,13 +422,15 @@ static void test_exr_tiled(void **state) {
     for (int set = 0; set < 3; set++) {
         const int n = (int)strlen(sets[set]);
         float five[W * H * 5];
-        for (int i = 0; i < W * H * n; i++)
+        for (int i = 0; i < W * H * n; i++) {
             five[i] = pixels[i % (W * H * 4)];
+        }
         write_exr_tiled(file, W, H, n, sets[set], five);
         image = decode();
         assert_int_equal(image.channels, set < 2 ? 1 : 3);
-        for (int i = 0; i < W * H; i++)
+        for (int i = 0; i < W * H; i++) {
             assert_true(((float *)image.pixels)[image.channels * i] == five[n * i + (set < 2 ? 2 : 3)]);
+        }
         enc_image_clear(&image);
     }
 
@@ -435,12 +462,12 @@ static void test_layer_of_png(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_png_rgb),   cmocka_unit_test(test_png_16),
-        cmocka_unit_test(test_png_kinds), cmocka_unit_test(test_png_damaged),
-        cmocka_unit_test(test_jpeg),      cmocka_unit_test(test_jpeg_orientation),
-        cmocka_unit_test(test_hdr),       cmocka_unit_test(test_hdr_of_atrium),
-        cmocka_unit_test(test_exr),       cmocka_unit_test(test_exr_noise),
-        cmocka_unit_test(test_exr_tiled), cmocka_unit_test(test_no_image),
+        cmocka_unit_test(test_png_rgb),      cmocka_unit_test(test_png_16),
+        cmocka_unit_test(test_png_kinds),    cmocka_unit_test(test_png_damaged),
+        cmocka_unit_test(test_jpeg),         cmocka_unit_test(test_jpeg_orientation),
+        cmocka_unit_test(test_hdr),          cmocka_unit_test(test_hdr_of_atrium),
+        cmocka_unit_test(test_exr),          cmocka_unit_test(test_exr_noise),
+        cmocka_unit_test(test_exr_tiled),    cmocka_unit_test(test_no_image),
         cmocka_unit_test(test_layer_of_png),
     };
     return cmocka_run_group_tests(tests, make_file, remove_file);

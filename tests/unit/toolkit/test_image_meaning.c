@@ -50,8 +50,9 @@ static btf_result decode_bytes(const unsigned char *data, size_t size, enc_image
 }
 
 static void put32(unsigned char *p, uint32_t value) {
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         p[i] = (unsigned char)(value >> (24 - 8 * i));
+    }
 }
 
 static uint32_t get32(const unsigned char *p) {
@@ -62,8 +63,9 @@ static uint32_t checksum(const unsigned char *p, size_t size) {
     uint32_t crc = 0xFFFFFFFFu;
     for (size_t i = 0; i < size; i++) {
         crc ^= p[i];
-        for (int bit = 0; bit < 8; bit++)
+        for (int bit = 0; bit < 8; bit++) {
             crc = crc & 1 ? crc >> 1 ^ 0xEDB88320u : crc >> 1;
+        }
     }
     return ~crc;
 }
@@ -77,11 +79,14 @@ typedef struct bytes {
 static bytes plain_png(int depth, int colour_type) {
     static unsigned char pixels[W * H * 8];
     bytes b;
-    for (size_t i = 0; i < sizeof pixels; i++)
+    for (size_t i = 0; i < sizeof pixels; i++) {
         pixels[i] = (unsigned char)(i * 5);
-    if (colour_type == PNG_COLOR_TYPE_RGB_ALPHA)
-        for (size_t i = 3; i < sizeof pixels; i += 4)
+    }
+    if (colour_type == PNG_COLOR_TYPE_RGB_ALPHA) {
+        for (size_t i = 3; i < sizeof pixels; i += 4) {
             pixels[i] = 255;
+        }
+    }
     write_png(file, W, H, colour_type, depth, false, pixels, NULL);
     size_t size;
     void *data = read_whole_file(file, &size);
@@ -95,15 +100,17 @@ static bytes plain_png(int depth, int colour_type) {
 /* Puts a chunk behind IHDR, or behind the pixels. */
 static void add_chunk(bytes *b, const char *type, const void *data, size_t size, bool behind) {
     size_t at = 8;
-    while (memcmp(b->data + at + 4, behind ? "IEND" : "IHDR", 4) != 0)
+    while (memcmp(b->data + at + 4, behind ? "IEND" : "IHDR", 4) != 0) {
         at += 12 + get32(b->data + at);
+    }
     at += behind ? 0 : 12 + get32(b->data + at);
     assert_true(b->size + size + 12 <= sizeof b->data);
     memmove(b->data + at + size + 12, b->data + at, b->size - at);
     put32(b->data + at, (uint32_t)size);
     memcpy(b->data + at + 4, type, 4);
-    if (size)
+    if (size) {
         memcpy(b->data + at + 8, data, size);
+    }
     put32(b->data + at + 8 + size, checksum(b->data + at + 4, size + 4));
     b->size += size + 12;
 }
@@ -124,8 +131,9 @@ static double first_value(const enc_image *image, double *out_code) {
 
 static enc_image decode_good(const bytes *b) {
     enc_image image;
-    if (decode_bytes(b->data, b->size, &image) != BTF_OK)
+    if (decode_bytes(b->data, b->size, &image) != BTF_OK) {
         fail_msg("%s", message);
+    }
     return image;
 }
 
@@ -134,8 +142,9 @@ static void expect_curve(bytes b, double (*curve)(double)) {
     enc_image image = decode_good(&b);
     const double value = first_value(&image, &code);
     enc_image_clear(&image);
-    if (!(fabs(value - curve(code)) <= 1e-5))
+    if (!(fabs(value - curve(code)) <= 1e-5)) {
         fail_msg("%g decodes to %g, not %g", code, value, curve(code));
+    }
 }
 
 static double linear(double v) {
@@ -200,8 +209,9 @@ static void test_png_primaries(void **state) {
     static const uint32_t wide[8] = {31270, 32900, 68000, 32000, 26500, 69000, 15000, 6000};
     for (int k = 0; k < 3; k++) {
         unsigned char values[32];
-        for (int i = 0; i < 8; i++)
+        for (int i = 0; i < 8; i++) {
             put32(values + 4 * i, k ? wide[i] : same[i]);
+        }
         unsigned char gamma[4];
         put32(gamma, 45455);
         bytes stands = plain_png(8, PNG_COLOR_TYPE_RGB); /* for sRGB, with the primaries of sRGB */
@@ -209,13 +219,15 @@ static void test_png_primaries(void **state) {
         add_chunk(&stands, "cHRM", values, 32, false);
         expect_curve(stands, k ? power22 : enc_srgb_decode);
         bytes b = plain_png(8, PNG_COLOR_TYPE_RGB);
-        if (k == 2)
+        if (k == 2) {
             add_chunk(&b, "sRGB", "", 1, false);
+        }
         add_chunk(&b, "cHRM", values, 32, false);
         enc_image image = decode_good(&b);
         assert_int_equal(image.info.converts, k == 1);
-        if (k == 1)
+        if (k == 1) {
             assert_non_null(strstr(image.info.primaries_name, "PNG cHRM red (0.68,0.32)"));
+        }
         enc_image_clear(&image);
     }
 }
@@ -242,8 +254,9 @@ static size_t make_profile(unsigned char *out, const char *name, bool version4) 
         memcpy(out + 160, "enUS", 4);
         put32(out + 164, (uint32_t)(2 * (length - 1)));
         put32(out + 168, 28);
-        for (size_t i = 0; i + 1 < length; i++)
+        for (size_t i = 0; i + 1 < length; i++) {
             out[144 + 28 + 2 * i + 1] = (unsigned char)name[i];
+        }
         size = 28 + 2 * (length - 1);
     } else {
         memcpy(out + 144, "desc", 4);
@@ -273,8 +286,9 @@ static const struct {
 
 static void expect_profile(const enc_image *image, size_t k) {
     const char *note = image->info.notes.texts[IMAGE_NOTE_PROFILE];
-    if (profiles[k].srgb ? note[0] != '\0' : !strstr(note, profiles[k].name))
+    if (profiles[k].srgb ? note[0] != '\0' : !strstr(note, profiles[k].name)) {
         fail_msg("%s: \"%s\"", profiles[k].name, note);
+    }
 }
 
 /* By its description, not by what the chunk calls it; a profile that cannot be inflated by that name. */
@@ -299,13 +313,15 @@ static void test_png_profile(void **state) {
 }
 
 /* Puts a tag at the end of a profile. */
-static size_t add_tag(unsigned char *profile, size_t size, const char *name, const void *data, size_t length) {
+static size_t add_tag(unsigned char *profile, size_t size, const char *name, const void *data,
+                      size_t length) {
     const uint32_t count = get32(profile + 128);
     const size_t table = 132 + 12 * (size_t)count;
     memmove(profile + table + 12, profile + table, size - table);
     size += 12;
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count; i++) {
         put32(profile + 136 + 12 * i, get32(profile + 136 + 12 * i) + 12);
+    }
     put32(profile + 128, count + 1);
     memcpy(profile + table, name, 4);
     put32(profile + table + 4, (uint32_t)size);
@@ -320,14 +336,16 @@ static bool is_taken_as_srgb(const unsigned char *curve, size_t curve_size, cons
     image_info info = {0};
     size_t size = make_profile(profile, "sRGB built-in", true);
     size = add_tag(profile, size, "rTRC", curve, curve_size);
-    if (red)
+    if (red) {
         size = add_tag(profile, size, "rXYZ", red, 20);
+    }
     unsigned char *just = malloc(size);
     assert_non_null(just);
     memcpy(just, profile, size);
     image_info_profile(&info, "PNG", just, size, NULL);
     free(just);
-    const bool told = strstr(info.notes.texts[IMAGE_NOTE_PROFILE], "\"sRGB built-in\", whose curves") != NULL;
+    const bool told =
+        strstr(info.notes.texts[IMAGE_NOTE_PROFILE], "\"sRGB built-in\", whose curves") != NULL;
     assert_int_equal(told, info.transfer != IMAGE_TRANSFER_SRGB);
     return !told;
 }
@@ -346,8 +364,9 @@ static void test_profile_contents(void **state) {
     unsigned char parametric[32] = "para\0\0\0\0\0\3", red[20] = "XYZ ", wide[20] = "XYZ ";
     static const double p[5] = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
     static const double srgb_red[3] = {0.43607, 0.22249, 0.01392}, p3_red[3] = {0.51512, 0.2412, 0.0};
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < 5; i++) {
         put32(parametric + 12 + 4 * i, (uint32_t)lround(p[i] * 65536));
+    }
     for (int i = 0; i < 3; i++) {
         put32(red + 8 + 4 * i, (uint32_t)lround(srgb_red[i] * 65536));
         put32(wide + 8 + 4 * i, (uint32_t)lround(p3_red[i] * 65536));
@@ -358,8 +377,9 @@ static void test_profile_contents(void **state) {
     assert_false(is_taken_as_srgb(parametric, sizeof parametric, wide));
     assert_false(is_taken_as_srgb(linear_curve, sizeof linear_curve, red));
     assert_false(is_taken_as_srgb(gamma22, sizeof gamma22, red));
-    for (size_t size = 0; size < 16; size++) /* damaged: its name alone is left */
+    for (size_t size = 0; size < 16; size++) { /* damaged: its name alone is left */
         assert_true(is_taken_as_srgb(parametric, size, red));
+    }
     parametric[9] = 9;
     assert_true(is_taken_as_srgb(parametric, sizeof parametric, red));
 }
@@ -395,22 +415,24 @@ static void test_png_exif_elsewhere(void **state) {
         size_t size = strlen(key) + 1;
         memcpy(text, key, size);
         size += (size_t)snprintf((char *)text + size, sizeof text - size, "\nexif\n%8zu\n", sizeof block);
-        for (size_t i = 0; i < sizeof block; i++)
+        for (size_t i = 0; i < sizeof block; i++) {
             size += (size_t)snprintf((char *)text + size, sizeof text - size, "%02x%s", block[i],
                                      i % 36 == 35 ? "\n" : "");
+        }
         const size_t key_size = strlen(key) + 1;
         uLongf length = sizeof packed - key_size - 1;
         memcpy(packed, key, key_size);
         packed[key_size] = 0;
         assert_int_equal(compress(packed + key_size + 1, &length, text + key_size, size - key_size), Z_OK);
-        if (kind == 0)
+        if (kind == 0) {
             add_chunk(&b, "eXIf", block, sizeof block, false);
-        else if (kind == 1)
+        } else if (kind == 1) {
             add_chunk(&b, "tEXt", text, size, true);
-        else if (kind == 2)
+        } else if (kind == 2) {
             add_chunk(&b, "zTXt", packed, key_size + 1 + length, false);
-        else
+        } else {
             add_chunk(&b, "eXIf", turned_long, sizeof turned_long, true);
+        }
         assert_int_equal(decode_bytes(b.data, b.size, &image), BTF_ERROR_UNSUPPORTED);
         assert_non_null(strstr(message, "EXIF orientation 6"));
     }
@@ -428,13 +450,15 @@ static void test_png_profile_in_text(void **state) {
     const size_t profile_size = make_profile(profile, "Adobe RGB (1998)", false);
     size_t size = strlen((char *)text) + 1;
     size += (size_t)snprintf((char *)text + size, sizeof text - size, "\nicc\n%8zu\n", profile_size);
-    for (size_t i = 0; i < profile_size; i++)
+    for (size_t i = 0; i < profile_size; i++) {
         size += (size_t)snprintf((char *)text + size, sizeof text - size, "%02X", profile[i]);
+    }
     for (int k = 0; k < 2; k++) {
         bytes b = plain_png(8, PNG_COLOR_TYPE_RGB);
         add_chunk(&b, "tEXt", text, size, false);
-        if (k)
+        if (k) {
             add_chunk(&b, "sRGB", "", 1, false);
+        }
         enc_image image = decode_good(&b);
         const char *note = image.info.notes.texts[IMAGE_NOTE_PROFILE];
         assert_true(k ? note[0] == '\0' : strstr(note, "Adobe RGB") != NULL);
@@ -461,8 +485,9 @@ static void test_png_alpha(void **state) {
 static bytes plain_jpeg(void) {
     unsigned char rgb[W * H * 3];
     bytes b;
-    for (int i = 0; i < W * H * 3; i++)
+    for (int i = 0; i < W * H * 3; i++) {
         rgb[i] = (unsigned char)(i * 2);
+    }
     assert_int_equal(jpeg_image_write(file, W, H, rgb, 90, (btf_log){0}), BTF_OK);
     void *data = read_whole_file(file, &b.size);
     assert_true(b.size < sizeof b.data);
@@ -495,8 +520,9 @@ static void test_jpeg_profile(void **state) {
     for (int space = 0; space < 2; space++) { /* EXIF: uncalibrated, or sRGB */
         unsigned char exif[] = "Exif\0\0MM\0*\0\0\0\10\0\1\x87\x69\0\4\0\0\0\1\0\0\0\x1a\0\0\0\0"
                                "\0\1\xa0\1\0\3\0\0\0\1\xff\xff\0\0\0\0\0";
-        if (space)
+        if (space) {
             memcpy(exif + 6 + 26 + 10, "\0\1", 2);
+        }
         bytes b = plain_jpeg();
         add_marker(&b, 0xE1, exif, sizeof exif - 1);
         enc_image image = decode_good(&b);
@@ -527,8 +553,9 @@ static void test_jpeg_lenient(void **state) {
     (void)state;
     bytes b = plain_jpeg(), strict = b;
     size_t at = 2;
-    while (b.data[at + 1] != 0xDA)
+    while (b.data[at + 1] != 0xDA) {
         at += 2 + ((size_t)b.data[at + 2] << 8 | b.data[at + 3]);
+    }
     unsigned char *range = b.data + at + 5 + 2 * b.data[at + 4];
     assert_int_equal(range[0], 0);
     assert_int_equal(range[1], 63);
@@ -629,9 +656,10 @@ static void test_hdr_headers(void **state) {
                     fabs(p[1] * good[k].scale[1] - 0.625) < 1e-6 &&
                     fabs(p[2] * good[k].scale[2] - 200 / 256.0) < 1e-6);
         assert_false(image.info.converts);
-        for (int n = 0; n < IMAGE_NOTE_KINDS; n++)
+        for (int n = 0; n < IMAGE_NOTE_KINDS; n++) {
             assert_true(n == (int)good[k].kind ? strstr(image.info.notes.texts[n], good[k].note) != NULL
                                                : image.info.notes.texts[n][0] == '\0');
+        }
         enc_image_clear(&image);
     }
     const bytes wide = hdr_of("PRIMARIES=.68 .32 .265 .69 .15 .06 .3127 .329\n", "-Y 6 +X 8");
@@ -647,18 +675,19 @@ static void test_hdr_headers(void **state) {
         const bytes b = hdr_of(lines, "-Y 6 +X 8");
         assert_int_equal(decode_bytes(b.data, b.size, &image), BTF_ERROR_BAD_FILE);
         snprintf(expected, sizeof expected, "line 3, \"%.*s\"", (int)strlen(bad[k]) - 1, bad[k]);
-        if (!strstr(message, expected))
+        if (!strstr(message, expected)) {
             fail_msg("\"%s\" does not say %s", message, expected);
+        }
     }
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_png_transfer), cmocka_unit_test(test_png_primaries),
-        cmocka_unit_test(test_png_profile),  cmocka_unit_test(test_png_exif_behind),
-        cmocka_unit_test(test_png_alpha),    cmocka_unit_test(test_jpeg_profile),
-        cmocka_unit_test(test_jpeg_lenient), cmocka_unit_test(test_hdr_orders),
-        cmocka_unit_test(test_hdr_headers),  cmocka_unit_test(test_profile_contents),
+        cmocka_unit_test(test_png_transfer),       cmocka_unit_test(test_png_primaries),
+        cmocka_unit_test(test_png_profile),        cmocka_unit_test(test_png_exif_behind),
+        cmocka_unit_test(test_png_alpha),          cmocka_unit_test(test_jpeg_profile),
+        cmocka_unit_test(test_jpeg_lenient),       cmocka_unit_test(test_hdr_orders),
+        cmocka_unit_test(test_hdr_headers),        cmocka_unit_test(test_profile_contents),
         cmocka_unit_test(test_png_exif_elsewhere), cmocka_unit_test(test_png_profile_in_text),
         cmocka_unit_test(test_jpeg_orientation),
     };

@@ -36,8 +36,9 @@ static int make_folder(void **state) {
     (void)state;
     const char *base = getenv("TMPDIR");
     snprintf(folder, sizeof folder, "%s/btf-output-XXXXXX", base && *base ? base : "/tmp");
-    if (!mkdtemp(folder))
+    if (!mkdtemp(folder)) {
         return -1;
+    }
     snprintf(target, sizeof target, "%s/result.bin", folder);
     last_message[0] = '\0';
     return 0;
@@ -46,8 +47,9 @@ static int make_folder(void **state) {
 static int remove_folder(void **state) {
     (void)state;
     DIR *listing = opendir(folder);
-    for (struct dirent *e; listing && (e = readdir(listing));)
+    for (struct dirent *e; listing && (e = readdir(listing));) {
         unlinkat(dirfd(listing), e->d_name, 0);
+    }
     closedir(listing);
     return rmdir(folder);
 }
@@ -56,8 +58,9 @@ static int files_in_folder(void) {
     int count = 0;
     DIR *listing = opendir(folder);
     assert_non_null(listing);
-    for (struct dirent *e; (e = readdir(listing));)
+    for (struct dirent *e; (e = readdir(listing));) {
         count += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
+    }
     closedir(listing);
     return count;
 }
@@ -146,8 +149,9 @@ static int end_of_child(void (*end)(void), int *out_files) {
     const pid_t child = fork();
     if (child == 0) {
         output *file;
-        if (output_open(target, log_to_test, &file) != BTF_OK)
+        if (output_open(target, log_to_test, &file) != BTF_OK) {
             _exit(99);
+        }
         fputs("half", output_stream(file));
         fflush(output_stream(file));
         end();
@@ -168,8 +172,9 @@ static void end_by_sigterm(void) {
 static void end_by_sigint_twice(void) {
     progress *p = progress_create(true);
     raise(SIGINT);
-    if (!p || !progress_cancelled())
+    if (!p || !progress_cancelled()) {
         _exit(97);
+    }
     raise(SIGINT);
 }
 static void end_by_sigkill(void) {
@@ -187,11 +192,13 @@ static void end_by_short_input(void) {
     snprintf(path, sizeof path, "%s/.input", folder);
     const int fd = open(path, O_RDWR | O_CREAT, 0666);
     unlink(path);
-    if (ftruncate(fd, 4096) != 0)
+    if (ftruncate(fd, 4096) != 0) {
         _exit(96);
+    }
     const volatile char *bytes = mmap(NULL, 4096, PROT_READ, MAP_SHARED, fd, 0);
-    if (bytes == MAP_FAILED || ftruncate(fd, 0) != 0)
+    if (bytes == MAP_FAILED || ftruncate(fd, 0) != 0) {
         _exit(95);
+    }
     _exit(90 + bytes[0]);
 }
 #endif
@@ -312,8 +319,9 @@ static void test_stages(void **state) {
     assert_non_null(p);
     progress_begin(p, "read", 1000);
 #pragma omp parallel for num_threads(2)
-    for (int i = 0; i < 1000; i++)
+    for (int i = 0; i < 1000; i++) {
         progress_step(p, 1);
+    }
     progress_begin(p, "fit", 0); /* ends the stage before */
     usleep(20000);
     progress_end(p);
@@ -339,12 +347,14 @@ static void test_plain_lines(void **state) {
         fflush(NULL);
         const pid_t child = fork();
         if (child == 0) {
-            if (!freopen(target, "w", stderr))
+            if (!freopen(target, "w", stderr)) {
                 _exit(99);
+            }
             progress *p = progress_create(quiet);
             progress_begin(p, "work", 100000);
-            for (int i = 0; i < 100000; i++)
+            for (int i = 0; i < 100000; i++) {
                 progress_step(p, 1);
+            }
             progress_destroy(&p);
             fflush(stderr);
             _exit(0);
@@ -366,8 +376,9 @@ static void test_plain_lines(void **state) {
 
 int main(void) {
     output *first; /* installs the handlers */
-    if (output_open("/dev/null", log_to_test, &first) == BTF_OK)
+    if (output_open("/dev/null", log_to_test, &first) == BTF_OK) {
         output_abort(&first);
+    }
     sigaction(SIGBUS, NULL, &bus_action);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_commit, make_folder, remove_folder),
