@@ -496,8 +496,12 @@ static btf_result run(const enc_context *context) {
     char path[4096], identity[3000];
     bench_system system;
     bench_journal *journal = NULL;
-    if (mkdir(o.out, 0777) != 0 && errno != EEXIST) {
-        return cli_error(&program, BTF_ERROR_IO, "%s: cannot make the folder: %s", o.out, strerror(errno));
+    const char *const folders[] = {o.out, o.keep};
+    for (size_t i = 0; i < sizeof folders / sizeof *folders; i++) {
+        if (folders[i] && mkdir(folders[i], 0777) != 0 && errno != EEXIST) {
+            return cli_error(&program, BTF_ERROR_IO, "%s: cannot make the folder: %s", folders[i],
+                             strerror(errno));
+        }
     }
     bench_system_find(&system);
     describe(&system, identity, sizeof identity);

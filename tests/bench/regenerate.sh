@@ -234,7 +234,6 @@ part_plan() {
     needs BRICKS64.zip BRICKS64_between.zip UBO_IMPALLA64.zip || return 0
     local kind kept
     kept=$work/plan-files-$(commit)
-    mkdir -p "$kept"
     for kind in BRICKS64 UBO_IMPALLA64; do
         cp "$(encoded $kind-levels "$shared/$kind.zip" --levels 4)" "$kept/$kind-joint-medium.btf.exr"
     done

@@ -225,7 +225,6 @@ else
 fi
 
 # Section plan: every cell is filled; kept materials are taken.
-mkdir kept
 expect "plan" 0 btf-bench --quick --input tiny --only plan --preset fast --holdout none --keep kept --out p -q
 expect_that "keeps its materials" test -s kept/tiny-joint-fast.btf.exr -a -s kept/tiny-paper.btf.exr
 cp p/plan-tiny.csv first.csv
