@@ -197,7 +197,7 @@ btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options
     return result;
 }
 
-/* What drawing puts in the place of the caller's state. */
+/* The objects that drawing binds, and the caller's state to put back afterwards. */
 typedef struct stage {
     btfi_gl_state saved;
     uint32_t framebuffer, array;
@@ -251,7 +251,7 @@ static btf_result draw_layer(const btf_gl_fold *f, const fold_program *program, 
     return BTF_OK;
 }
 
-/* What every call of a fold has in common. */
+/* Checks the arguments that all calls of a fold have. */
 static btf_result check_call(const btf_gl_fold *f, uint32_t number, const float *light, const float *view,
                              const btf_log *log) {
     if (number >= f->lights) {

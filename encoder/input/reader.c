@@ -263,7 +263,7 @@ static btf_result scatter(reader *r, size_t first, size_t count) {
     return result;
 }
 
-/* How many images a block holds: whole views where that is possible, so that runs are long. */
+/* The number of images in a block: whole views where that is possible, so that runs are long. */
 static size_t block_size(const reader *r) {
     const size_t image = (size_t)r->radiance.width * (size_t)r->radiance.height * 3 * sizeof(float);
     size_t bytes = BLOCK_BYTES;

@@ -56,7 +56,7 @@ static void finds_missing_protection(void **state) {
     assert_true(run_self_test(unprotected, btf_shader_self_test()) & BTF_SELF_TEST_REASSOCIATION);
 }
 
-/* Devices that break one thing each. (What fused operations give is written down: fma() of GLSL need not
+/* Devices that break one thing each. (Results of fused operations are written as constants, for fma() of GLSL need not
  * fuse.) */
 static void names_what_breaks(void **state) {
     (void)state;

@@ -218,7 +218,7 @@ class Material:
 
     @property
     def errors(self):
-        """What each set of effects is worth at the samples: rows (effects, dB linear, dB sRGB-coded, bytes)."""
+        """The accuracy of each set of effects at the samples: rows (effects, dB linear, dB sRGB-coded, bytes)."""
         count = c_size_t()
         rows = c.library.btf_material_errors(self._handle.pointer, byref(count))
         return Errors((_names(rows[i].effects), rows[i].psnr_linear, rows[i].psnr_srgb, int(rows[i].gpu_bytes))
@@ -288,7 +288,7 @@ class Material:
         return rgb.reshape(shape + (3,))
 
     def image(self, view, light, level=0, effects=None, components=None, interpolation="linear"):
-        """What the whole material shows: float32 (height, width, 3), row 0 the top. `view` and `light`: the number of a
+        """An image of the whole material: float32 (height, width, 3), row 0 the top. `view` and `light`: the number of a
         sampled direction, or a unit vector."""
         height, width = (max(1, side >> level) for side in self.texels)
         view, light = self._direction(view, self.views, "view"), self._direction(light, self.lights, "light")

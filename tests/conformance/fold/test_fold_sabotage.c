@@ -239,7 +239,7 @@ static const char *tamper_reader(char *library) {
     return active && !active->of_pass ? put_in(library) : library;
 }
 
-/* What the library compiles goes through here. */
+/* The library calls this in place of glShaderSource. */
 static void APIENTRY tamper_pass(GLuint shader, GLsizei count, const GLchar *const *text,
                                  const GLint *length) {
     const GLchar *parts[8];

@@ -279,7 +279,7 @@ def slope(direction):
 
 
 def shared_light(light, view, sampled, share):
-    """What is looked up in place of a light for a sampled view, and its k: None where it is the light."""
+    """The direction looked up in place of a light for a sampled view, and its k: None where it is the light itself."""
     d = [add(a, -v) for a, v in zip(sampled, view)]
     if all(abs(c) < 2.0 ** -24 for c in d):
         return light, None
