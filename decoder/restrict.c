@@ -590,7 +590,8 @@ btf_result btf_material_restrict(const btf_material *material, const btf_plan *p
     *out_material = NULL;
     if (plan->struct_size != sizeof *plan || !btfi_range_is_legal(&plan->scene.view) ||
         !btfi_range_is_legal(&plan->scene.light) || plan->level >= material->info.levels) {
-        return btfi_fail(log, BTF_ERROR_USAGE, "restrict: the plan is none, or not of this material");
+        return btfi_fail(log, BTF_ERROR_USAGE,
+                         "restrict: the plan is missing, or was made for another material");
     }
     work *w = calloc(1, sizeof *w);
     if (!w) {

@@ -255,7 +255,8 @@ static btf_result draw_layer(const btf_gl_fold *f, const fold_program *program, 
 static btf_result check_call(const btf_gl_fold *f, uint32_t number, const float *light, const float *view,
                              const btf_log *log) {
     if (number >= f->lights) {
-        return btfi_fail(log, BTF_ERROR_USAGE, "fold: light %u, but the fold has %u, from 0 on", number,
+        return btfi_fail(log, BTF_ERROR_USAGE,
+                         "fold: light %u is beyond the %u lights of the fold, which count from 0", number,
                          f->lights);
     }
     if (!light) {

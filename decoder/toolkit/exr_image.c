@@ -405,9 +405,10 @@ static void note_views(reading *r) {
         a->type != EXR_ATTR_STRING_VECTOR || a->stringvector->n_strings < 2) {
         return;
     }
-    image_note(
-        r->info, IMAGE_NOTE_PARTS, "EXR: of %d views \"%.60s\" is read (--layer %.60s reads another)",
-        (int)a->stringvector->n_strings, a->stringvector->strings[0].str, a->stringvector->strings[1].str);
+    image_note(r->info, IMAGE_NOTE_PARTS,
+               "EXR: of %d views \"%.60s\" is read (option layer: \"%.60s\" reads another)",
+               (int)a->stringvector->n_strings, a->stringvector->strings[0].str,
+               a->stringvector->strings[1].str);
 }
 
 static btf_result heed_attributes(reading *r) {

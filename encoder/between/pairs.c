@@ -181,11 +181,12 @@ btf_result enc_pairs_open(const enc_context *context, const char *path, const en
     }
     if (result == BTF_OK && options->components > 0) {
         result = enc_fail(context, BTF_ERROR_USAGE,
-                          "%s: --components is only for a Bonn .btf file, which this is not", path);
+                          "%s: option components is only for a Bonn .btf file, which this is not", path);
     }
     if (result == BTF_OK && options->coincident) {
-        result = enc_fail(context, BTF_ERROR_USAGE,
-                          "%s: --coincident is only for a data set, and these are single images", path);
+        result =
+            enc_fail(context, BTF_ERROR_USAGE,
+                     "%s: option coincident is only for a data set, and these are single images", path);
     }
     if (result == BTF_OK) {
         result = enc_read_source(context, path, &pairs->source->source);
@@ -243,7 +244,7 @@ static void tell_negative(const enc_context *context, const enc_pairs *pairs, si
     }
     pairs->source->reported_negative = true;
     enc_log(context, BTF_LOG_WARNING,
-            "%s: %s: %zu samples below 0 were set to 0, and so are those of further images (--strict "
+            "%s: %s: %zu samples below 0 were set to 0, and so are those of further images (option strict "
             "refuses them)",
             pairs->source->source->location, pairs->pair[i].name, negative);
 }

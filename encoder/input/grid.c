@@ -188,7 +188,7 @@ static btf_result judge_names(const enc_context *context, const enc_source *sour
         return enc_fail(
             context, BTF_ERROR_BAD_FILE,
             "%s: %zu images have an angle in their names that cannot be read for sure: first is %s: "
-            "'%s': %s (rename the files, or give the angles with --names TABLE)",
+            "'%s': %s (rename the files, or give a table of the angles by option names)",
             source->location, list->n_bad, source->paths[list->bad], list->names[list->bad].bad,
             list->names[list->bad].why);
     }
@@ -196,13 +196,13 @@ static btf_result judge_names(const enc_context *context, const enc_source *sour
         return enc_fail(
             context, BTF_ERROR_BAD_FILE,
             "%s: of %zu images none has a name with tl, pl, tv and pv, each with one angle: first is "
-            "%s (--names TABLE gives the angles of files with other names)",
+            "%s (option names takes a table of the angles of files with other names)",
             source->location, list->n_incomplete, source->paths[list->incomplete]);
     }
     if (list->n_incomplete > 0) {
         enc_log(context, BTF_LOG_WARNING,
-                "%s: %zu images are left out, their names lack tl, pl, tv or pv, or give one twice: first "
-                "is %s",
+                "%s: %zu images are left out because their names lack tl, pl, tv or pv, or give one twice: "
+                "first is %s",
                 source->location, list->n_incomplete, source->paths[list->incomplete]);
     }
     if (list->n_counters > 0) {

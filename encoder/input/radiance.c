@@ -34,7 +34,8 @@ static btf_result settle_area(const enc_context *context, const char *location, 
     r->height = size[1] ? size[1] : r->area.height;
     if (r->width > ENC_MAX_SIDE || r->height > ENC_MAX_SIDE) {
         return enc_fail(context, BTF_ERROR_UNSUPPORTED,
-                        "%s: size %dx%d is not usable: each side is 1 to %d (see --size and --crop)",
+                        "%s: size %dx%d is not usable: each side is 1 to %d (options size and crop make "
+                        "images smaller)",
                         location, r->width, r->height, ENC_MAX_SIDE);
     }
     return BTF_OK;
@@ -100,7 +101,8 @@ static btf_result decode_area(const enc_radiance *r, enc_image *image, float *pi
     double gamma;
     const enc_transfer transfer = transfer_of(r, image, &gamma);
     if (r->options->transfer == ENC_TRANSFER_AUTO && image->info.transfer == IMAGE_TRANSFER_OTHER) {
-        snprintf(message, message_size, "%s cannot be decoded: give the coding of values with --transfer",
+        snprintf(message, message_size,
+                 "%s cannot be decoded: give the coding of values by option transfer",
                  image->info.transfer_name);
         return BTF_ERROR_UNSUPPORTED;
     }
@@ -133,7 +135,9 @@ static btf_result check_image(const enc_radiance *r, const enc_image *image, cha
         return BTF_ERROR_BAD_FILE;
     }
     if (image->xyz && r->options->colour != ENC_COLOUR_XYZ) {
-        snprintf(message, message_size, "the channels are X, Y, Z: use --colour xyz");
+        snprintf(message, message_size,
+                 "the channels are X, Y, Z, not R, G, B: they are read with option --colour xyz (library "
+                 "and Python: primaries xyz)");
         return BTF_ERROR_BAD_FILE;
     }
     return BTF_OK;

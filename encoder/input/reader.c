@@ -396,7 +396,7 @@ static btf_result read_set(const enc_context *context, const char *input, const 
     btf_result result = BTF_OK;
     if (options->components > 0) {
         result = enc_fail(context, BTF_ERROR_USAGE,
-                          "%s: --components is only for a Bonn .btf file, which this is not", input);
+                          "%s: option components is only for a Bonn .btf file, which this is not", input);
     }
     if (result == BTF_OK) {
         result = enc_read_source(context, input, &r.source);
@@ -425,7 +425,8 @@ static btf_result read_set(const enc_context *context, const char *input, const 
     }
     if (result == BTF_OK && r.negative > 0) {
         enc_log(context, BTF_LOG_WARNING,
-                "%s: %llu samples below 0 in %zu images were set to 0: first in %s (--strict refuses them)",
+                "%s: %llu samples below 0 in %zu images were set to 0: first in %s (option strict refuses "
+                "them)",
                 input, (unsigned long long)r.negative, r.n_negative_files, path_of(&r, r.first_negative));
     }
     if (result == BTF_OK) {
@@ -453,7 +454,7 @@ btf_result enc_read(const enc_context *context, const char *input, const enc_rea
     if (result == BTF_OK) {
         result = options->names && !options->names_of_some && enc_bonn_is(input)
                      ? enc_fail(used, BTF_ERROR_USAGE,
-                                "%s: --names is for images, and this is a Bonn .btf file", input)
+                                "%s: option names is for images, and this is a Bonn .btf file", input)
                  : enc_bonn_is(input) ? enc_read_bonn(used, input, options, out_data)
                                       : read_set(used, input, options, out_data);
     }

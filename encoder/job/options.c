@@ -373,7 +373,7 @@ static btf_result settle(void) {
     }
     if (o.metric) {
         return cli_error(&enc_program, BTF_ERROR_USAGE,
-                         "option --metric: is no more; --method joint fits the square root of radiance, as "
+                         "option --metric was removed: --method joint fits the square root of radiance, as "
                          "balanced and srgb did, and --method paper radiance; leave it out");
     }
     job->method = (enc_method)o.method;

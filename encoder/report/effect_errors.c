@@ -406,7 +406,7 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
         free(values);
         return result == BTF_ERROR_INTERRUPTED
                    ? result
-                   : enc_fail(context, result, "errors without single effects: %s",
+                   : enc_fail(context, result, "measuring the errors without single effects: %s",
                               btf_result_text(result));
     }
     *out_values = values;
