@@ -310,7 +310,7 @@ static btf_result refuse_other(const char *method) {
 /* Effects that --method paper may use, any of them or none. */
 static const uint32_t paper_effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
 
-/* Effects of factors with match (factor/match.h). */
+/* Effects of factors with match (factor/match/match.h). */
 static const uint32_t matched_effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL;
 
 /* Checks effects and the unit of their tolerance, by method. */
