@@ -1,5 +1,5 @@
 /* OpenBTF shaders: gloss, for each neighbouring view the lights around a direction that keeps part of the half vector, so
- * that highlights stay where they are (FORMAT.md section 9).
+ * that highlights, which follow the half vector (Rusinkiewicz 1998), stay where they are (FORMAT.md section 9).
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,5 +1,5 @@
 /* OpenBTF shaders: one neighbour in place of all, picked with its weight, and the blend that picks converge to
- * (FORMAT.md section 9, Stochastic decode).
+ * (FORMAT.md section 9, Stochastic decode; filtering after shading of Pharr, Wronski, Salvi and Fajardo 2024).
  *
  * SPDX-License-Identifier: MIT
  */

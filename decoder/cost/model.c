@@ -6,6 +6,8 @@
 
 #include <math.h>
 
+/* Fitted by `btf-bench --only costs` to synthetic materials (tests/bench/plan/costs_section.c); decoder/README.md says on which
+ * machine, and how well they predict. */
 static const btf_cost_model llvmpipe = {
     .struct_size = sizeof llvmpipe,
     .device = "llvmpipe",
