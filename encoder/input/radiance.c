@@ -95,7 +95,7 @@ static btf_result check_values(const enc_radiance *r, const float *pixels, const
     return BTF_OK;
 }
 
-/* Decodes the part that is used to linear Rec. 709, or the space that --colour names. */
+/* Decodes the part that is used to linear Rec. 709, or the space that the options name. */
 static btf_result decode_area(const enc_radiance *r, enc_image *image, float *pixels, char *message,
                               size_t message_size) {
     double gamma;
@@ -162,8 +162,20 @@ static btf_result make_linear(const enc_radiance *r, enc_image *image, float *pi
     return result;
 }
 
-btf_result enc_radiance_convert(const enc_radiance *r, const void *file, size_t size, float *out,
-                                image_notes *out_notes, char *message, size_t message_size) {
+/* Multiplies all values by a factor and sets those below 0 to 0; returns how many these were. */
+static size_t scale_and_clamp(size_t count, float factor, float *values) {
+    size_t negative = 0;
+    for (size_t i = 0; i < count; i++) {
+        const float value = values[i] * factor;
+        negative += value < 0.0f;
+        values[i] = value > 0.0f ? value : 0.0f;
+    }
+    return negative;
+}
+
+btf_result enc_radiance_convert(const enc_radiance *r, const void *file, size_t size, float light_z,
+                                float *out, size_t *out_negative, image_notes *out_notes, char *message,
+                                size_t message_size) {
     const bool resize = r->width != r->area.width || r->height != r->area.height;
     enc_image image = {0};
     float *own = NULL;
@@ -187,5 +199,9 @@ btf_result enc_radiance_convert(const enc_radiance *r, const void *file, size_t 
         result = enc_resize_area(own, r->area.width, r->area.height, out, r->width, r->height);
     }
     free(own);
+    if (result == BTF_OK) {
+        *out_negative = scale_and_clamp((size_t)r->width * (size_t)r->height * 3,
+                                        r->options->cosine == ENC_COSINE_MISSING ? light_z : 1.0f, out);
+    }
     return result;
 }

@@ -38,7 +38,7 @@ typedef struct batch_file {
     size_t size;
     btf_result result;
     char message[MESSAGE_SIZE];
-    uint64_t negative; /* samples below 0 */
+    size_t negative; /* samples below 0 */
     image_notes notes;
 } batch_file;
 
@@ -97,33 +97,28 @@ static btf_result settle_size(reader *r) {
                                      &r->first_file, &r->first_size, &r->radiance);
 }
 
-/* Interleaved linear pixels times `factor` to three planes, negative samples clamped and counted. */
-static void store_planes(const reader *r, const float *pixels, float factor, float *planes,
-                         batch_file *file) {
+/* Interleaved pixels to three planes. */
+static void store_planes(const reader *r, const float *pixels, float *planes) {
     const size_t texels = (size_t)r->radiance.width * (size_t)r->radiance.height;
-    uint64_t negative = 0;
     for (size_t c = 0; c < 3; c++) {
         for (size_t t = 0; t < texels; t++) {
-            const float value = pixels[3 * t + c] * factor;
-            negative += value < 0.0f;
-            planes[c * texels + t] = value > 0.0f ? value : 0.0f;
+            planes[c * texels + t] = pixels[3 * t + c];
         }
     }
-    file->negative = negative;
 }
 
 /* One file from bytes to planes[channel][texel]. Runs on any thread; does not log. */
 static btf_result convert(const reader *r, size_t item, batch_file *file, float *planes) {
-    const enc_direction *light = &r->grid->lights[r->grid->items[item].light];
-    const float factor = r->options->cosine == ENC_COSINE_MISSING ? light->xyz[2] : 1.0f;
+    const float light_z = r->grid->lights[r->grid->items[item].light].xyz[2];
     float *pixels = malloc((size_t)r->radiance.width * (size_t)r->radiance.height * 3 * sizeof *pixels);
     if (!pixels) {
         return BTF_ERROR_MEMORY;
     }
-    const btf_result result = enc_radiance_convert(&r->radiance, file->data, file->size, pixels,
-                                                   &file->notes, file->message, sizeof file->message);
+    const btf_result result =
+        enc_radiance_convert(&r->radiance, file->data, file->size, light_z, pixels, &file->negative,
+                             &file->notes, file->message, sizeof file->message);
     if (result == BTF_OK) {
-        store_planes(r, pixels, factor, planes, file);
+        store_planes(r, pixels, planes);
     }
     free(pixels);
     return result;
