@@ -195,7 +195,7 @@ static float draw_direction(const scene *s, bool cosine, const float view[3], ui
     return light[2] / PI;
 }
 
-/* Of the cone that the lamp fills from a point: 1 - cos of its half angle. */
+/* 1 - cos of the half angle of the cone that the lamp fills, seen from a point. */
 static float lamp_cone(vec from) {
     const vec o = add(lamp, scale(from, -1));
     const float sine2 = lamp_radius * lamp_radius / dot(o, o);

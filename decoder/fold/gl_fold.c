@@ -54,7 +54,7 @@ static const char neighbour_text[] =
     "    btf_pass_value = uvec4(floatBitsToUint(value), 0u);\n"
     "}\n";
 
-/* With the sum of the lights before, in a layer of another texture, or none. */
+/* The pass that adds one light to the sum of those before, which lies in a layer of another texture (or there is none). */
 static const char sum_text[] =
     "uniform highp vec3 btf_pass_light, btf_pass_viewer, btf_pass_weight;\n"
     "uniform highp int btf_pass_level, btf_pass_from;\n"

@@ -111,7 +111,7 @@ __attribute__((format(printf, 3, 4))) static btf_result fail(const reading *r, b
     return result;
 }
 
-/* Of the picture, which of its channels one of the list is; -1: none. */
+/* The channel of the picture that a channel of the file's list is; -1: none. */
 static int role_of(const reading *r, int channel) {
     for (int c = 0; c < (r->choice.kind == EXR_KIND_GREY ? 1 : 3) && r->choice.kind != EXR_KIND_SPECTRUM;
          c++) {

@@ -1,4 +1,4 @@
-/* Images of known directions to a full grid of views and lights. See grid.h.
+/* Builds the full grid of views and lights from images of known directions. See grid.h.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* From the names of images to a full grid of views and lights.
+/* Builds the full grid of views and lights from the images of a source.
  *
  * SPDX-License-Identifier: MIT
  */

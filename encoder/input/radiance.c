@@ -1,4 +1,4 @@
-/* From the file of one image to linear radiance. See radiance.h.
+/* Converts the file of one image to linear radiance. See radiance.h.
  *
  * SPDX-License-Identifier: MIT
  */

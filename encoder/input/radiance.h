@@ -1,4 +1,4 @@
-/* From the file of one image to linear radiance, as the options and the file itself say.
+/* Converts the file of one image to linear radiance, as the options and the file itself say.
  *
  * SPDX-License-Identifier: MIT
  */

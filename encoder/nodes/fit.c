@@ -235,7 +235,7 @@ btf_result enc_node_fit_weights(const enc_node_fit *f, double kappa, float *out)
     return result;
 }
 
-/* By the adjoint, which needs no W: b^T W = y^T (B^T R + l) with (B^T B + l) y = b. */
+/* Blends by the adjoint, which needs no W: b^T W = y^T (B^T R + l) with (B^T B + l) y = b. */
 btf_result enc_node_fit_blend(const enc_node_fit *f, double kappa, size_t n_at, const enc_weights *at,
                               float *out) {
     const size_t n = (size_t)f->count;

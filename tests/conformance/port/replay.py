@@ -186,17 +186,17 @@ def reciprocal(x):
 # --- directions (section 6) -------------------------------------------------------------------------------------
 
 def cross(p, q):
-    """Of integer vectors."""
+    """The cross product of integer vectors."""
     return p[0] * q[1] - p[1] * q[0]
 
 
 def minus(p, q):
-    """Of integer vectors."""
+    """The difference of integer vectors."""
     return (p[0] - q[0], p[1] - q[1])
 
 
 def dot(p, q):
-    """Of integer vectors."""
+    """The inner product of integer vectors."""
     return p[0] * q[0] + p[1] * q[1]
 
 
