@@ -36,7 +36,7 @@ static const cli_option table[] = {
      .value = &o.method,
      .choices = "joint|paper",
      .help = "joint (default): low-bit factors, colour apart, best quality\n(format version 2);\npaper: "
-             "stage after stage, as printed (format version 1)"},
+             "stage after stage, as published (format version 1)"},
     {.name = "preset",
      .type = CLI_CHOICE,
      .value = &o.preset,
@@ -90,7 +90,7 @@ static const cli_option table[] = {
      .help = "between: the values stored at views and lights are fitted so that\n"
              "blends of three of them come close to a smooth interpolation, as far\n"
              "as that gains between the samples and adds little to the codec's\n"
-             "error at them; samples: they are the samples. Default between; with\n"
+             "error at them; samples: the samples as they are. Default between; with\n"
              "--method paper samples"},
     {.name = "relief",
      .type = CLI_CHOICE,
@@ -283,9 +283,8 @@ const cli_program enc_program = {
         "(# begins a comment). For a list, OUT, the report and the pictures are folders.",
     .details =
         "The tables printed at the end, and the report, measure what the written material decodes to.\n"
-        "A list goes on after an input that fails, ends with a line an input, and with the exit code of "
-        "the\n"
-        "first failure.\n"
+        "A list goes on after an input that fails. At its end come a line for each input, and the exit\n"
+        "code of the first failure.\n"
         "mpirun -n N btf-encode ... splits one encode over N processes, of one machine or of several, "
         "which write\n"
         "the same bytes as one. Each reads its share of the images and leaves it in a scratch file: TMPDIR "

@@ -1,4 +1,4 @@
-/* Directions drawn of an environment map and of the material, in place of lights that stand for the map.
+/* Directions drawn from an environment map and of the material, in place of lights that stand for the map.
  *
  * SPDX-License-Identifier: MIT
  */
