@@ -122,7 +122,7 @@ static char *get_provenance(reader *r, const char *name) {
     return copy;
 }
 
-/* Of the effects that the file's version has. */
+/* Reads the list of effects; known: those that the file's version has. */
 static uint32_t get_effects(reader *r, uint32_t known) {
     const char *const name = "openbtf.effects";
     size_t length;

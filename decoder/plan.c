@@ -323,7 +323,7 @@ static bool find_between(const btf_material *material, const btf_scene *scene, c
                             (t->at_view < 1 ? 1.0f : 0.0f) + (t->at_light < 1 ? 2.0f : 0.0f), mse);
 }
 
-/* By how much the error grows, as a share of it, where gloss is not decoded; false where the table does not say. */
+/* The share by which the error grows where gloss is not decoded; false where the table does not say. */
 static bool find_gloss(const btf_material *material, const btf_scene *scene, double growth[2]) {
     enum {
         BOTH = 3,

@@ -34,7 +34,7 @@ enum { BTFI_ATLAS_EFFECTS = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HI
 enum { BTFI_VECTOR_EFFECTS = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
 /* Names of the effects in the order of FORMAT.md section 3; NULL beyond the last. */
 const char *btfi_effect_name(int index);
-/* Of the first `units` units of a material whose store is factors: the classes that are left, into `out`. */
+/* Writes into `out` the classes that are left of the first `units` units of a material whose store is factors. */
 void btfi_truncate_classes(const uint32_t classes[BTF_FACTOR_CLASSES][3], uint32_t units,
                            uint32_t out[BTF_FACTOR_CLASSES][3]);
 /* Texels of factor_texels, at a texel of the material, of the first `units` units. */

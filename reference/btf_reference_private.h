@@ -146,7 +146,7 @@ void btf_ref_view_value(const btf_ref_situation *s, const btf_ref_lights *lights
 /** Section 9, Directions. @return whether there is anything to be seen. */
 bool btf_ref_above_horizon(const float light[3], const float view[3]);
 
-/** What all texels and views share, of directions above the horizon. */
+/** Computes from two directions above the horizon the part of a decode that all texels and views share. */
 btf_ref_situation btf_ref_make_situation(const btf_ref_material *material, const btf_ref_options *options,
                                          const float light[3], const float view[3]);
 

@@ -1,5 +1,5 @@
 /* OpenBTF reference decoder: one neighbour in place of all, picked with its weight, and the mean of such
- * picks (FORMAT.md, section 9, Stochastic decode).
+ * picks (FORMAT.md, section 9, Stochastic decode; filtering after shading of Pharr, Wronski, Salvi and Fajardo 2024).
  *
  * SPDX-License-Identifier: MIT
  */

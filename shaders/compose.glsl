@@ -149,7 +149,7 @@ btf_neighbours btf_lights_of(btf_setting s, int a) {
 }
 
 float btf_clamp(float y) {
-    return y >= uintBitsToFloat(0x30800000u) ? min(y, 4294967296.0) : 0.0;
+    return y >= uintBitsToFloat(BTF_BITS_2_TO_MINUS_30) ? min(y, 4294967296.0) : 0.0;
 }
 
 /* Radiance, before radianceScale, of the model's value y: its square in the square-root domain. */
@@ -255,9 +255,9 @@ void btf_show_view(out vec3 radiance[BTF_TEXELS], uvec2 x[BTF_TEXELS], uint view
 #if BTF_BILINEAR && BTF_STOCHASTIC < 3
 /* Four texels as the filter blends them, of weights in 65536ths. */
 vec3 btf_filter(vec3 radiance[BTF_TEXELS], uvec4 weight) {
-    vec3 sum = btf_mul(radiance[0], btf_mul(float(weight[0]), uintBitsToFloat(0x37800000u)));
+    vec3 sum = btf_mul(radiance[0], btf_mul(float(weight[0]), uintBitsToFloat(BTF_BITS_2_TO_MINUS_16)));
     for (int i = 1; i < BTF_TEXELS; ++i)
-        sum = btf_add(sum, btf_mul(radiance[i], btf_mul(float(weight[i]), uintBitsToFloat(0x37800000u))));
+        sum = btf_add(sum, btf_mul(radiance[i], btf_mul(float(weight[i]), uintBitsToFloat(BTF_BITS_2_TO_MINUS_16))));
     return sum;
 }
 
@@ -274,7 +274,7 @@ uvec4 btf_corners(out uvec2 x[BTF_TEXELS], uvec3 cu, uvec3 cv, int level) {
 #endif
 
 float btf_view_weight(uint weight) {
-    return btf_mul(float(weight), uintBitsToFloat(0x39800000u));
+    return btf_mul(float(weight), uintBitsToFloat(BTF_BITS_2_TO_MINUS_12));
 }
 
 #if !BTF_STOCHASTIC

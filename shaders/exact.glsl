@@ -19,10 +19,21 @@
 #endif
 #endif
 
-/* Floats as their bits, for comparisons that no NaN passes and no compiler removes. */
+/* Floats as their bits, which every compiler takes for the same number, and for comparisons that no NaN passes and no
+ * compiler removes. */
 #define BTF_BITS_MAGNITUDE 0x7FFFFFFFu    /* all bits but the sign */
+#define BTF_BITS_INFINITY 0x7F800000
 #define BTF_BITS_LEAST_NORMAL 0x00800000u /* 2^-126; below it lie denormals and 0 */
+#define BTF_BITS_2_TO_MINUS_30 0x30800000u
 #define BTF_BITS_2_TO_MINUS_24 0x33800000u
+#define BTF_BITS_2_TO_MINUS_20 0x35800000u
+#define BTF_BITS_2_TO_MINUS_16 0x37800000u
+#define BTF_BITS_2_TO_MINUS_13 0x39000000u
+#define BTF_BITS_2_TO_MINUS_12 0x39800000u
+#define BTF_BITS_2_TO_MINUS_11 0x3A000000u
+#define BTF_BITS_2_TO_MINUS_8 0x3B800000u
+#define BTF_BITS_2_TO_MINUS_7 0x3C000000u
+#define BTF_BITS_BEFORE_1 0x3F7FFFFFu /* 1 - 2^-24, the last float below 1 */
 #define BTF_BITS_2 0x40000000u
 #define BTF_BITS_4096 0x45800000u
 

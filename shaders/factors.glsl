@@ -18,6 +18,16 @@
  */
 #if BTF_FACTORS
 
+/* Masks of one code of so many bits, and a one, in each field of so many; half a unit of the top field. */
+#define BTF_CODES_2_IN_8 0x03030303u
+#define BTF_CODES_2_IN_16 0x00030003u
+#define BTF_CODES_4_IN_16 0x000F000Fu
+#define BTF_CODES_8_IN_16 0x00FF00FFu
+#define BTF_ONES_IN_8 0x01010101u
+#define BTF_ONES_IN_16 0x00010001u
+#define BTF_HALF_TOP_OF_8 0x00800000u
+#define BTF_HALF_TOP_OF_16 0x8000u
+
 /* Views that are evaluated at once, for which u is then fetched and expanded once. With a shift each has sources of its
  * own; with relief, too, but those of all three are known beforehand. A stochastic decode has one view. */
 #if BTF_FACTORS_BY_VIEW
@@ -63,7 +73,7 @@ uvec4 btf_factor_codes(int c, uvec4 w, int s) {
     if (c == 0)
         return uvec4(ivec4(w << uint(24 - 8 * s)) >> 24);
     int bits = c < 3 ? 4 : 2;
-    return (w >> uint(bits * s)) & (c == 4 ? 0x03030303u : (c == 3 ? 0x00030003u : 0x000F000Fu));
+    return (w >> uint(bits * s)) & (c == 4 ? BTF_CODES_2_IN_8 : (c == 3 ? BTF_CODES_2_IN_16 : BTF_CODES_4_IN_16));
 }
 
 /* u of a unit of class c, whose first layer is given, at source x. */
@@ -72,7 +82,7 @@ btf_factor_levels btf_factor_expand(int c, bool whole, uvec2 x, int layer, int l
     uvec4 texel = texelFetch(btf_factor_texels, ivec3(ivec2(x), layer), level), next = texel;
     if (c == 1 || c == 3)
         next = texelFetch(btf_factor_texels, ivec3(ivec2(x), layer + 1), level);
-    uint mask = c == 1 ? 0x00FF00FFu : (c == 4 ? 0x03030303u : 0x000F000Fu);
+    uint mask = c == 1 ? BTF_CODES_8_IN_16 : (c == 4 ? BTF_CODES_2_IN_8 : BTF_CODES_4_IN_16);
     int bits = c == 1 ? 8 : (c == 4 ? 2 : 4), of_texel = c == 1 ? 2 : 4;
     uvec4 sum = uvec4(0u);
     for (int s = 0; s < btf_factor_shifts(c); ++s) {
@@ -90,9 +100,10 @@ btf_factor_levels btf_factor_expand(int c, bool whole, uvec2 x, int layer, int l
     if (c == 0)
         u.start = uvec4(0u);
     else if (c == 4)
-        u.start = (uvec4((ivec4(sum * 0x01010101u + 0x00800000u) >> 25) * -3) << 24u) + 0x00800000u;
+        u.start = (uvec4((ivec4(sum * BTF_ONES_IN_8 + BTF_HALF_TOP_OF_8) >> 25) * -3) << 24u) + BTF_HALF_TOP_OF_8;
     else
-        u.start = (uvec4((ivec4(sum * 0x00010001u + 0x8000u) >> 17) * (c == 3 ? -3 : -15)) << 16u) + 0x8000u;
+        u.start = (uvec4((ivec4(sum * BTF_ONES_IN_16 + BTF_HALF_TOP_OF_16) >> 17) * (c == 3 ? -3 : -15)) << 16u) +
+                  BTF_HALF_TOP_OF_16;
     return u;
 }
 
@@ -176,7 +187,8 @@ void btf_factor_units(inout vec3 p[BTF_FACTOR_SUMS], inout ivec2 first, int c, b
     btf_neighbours lights = at.lights;
 #endif
     int n_views = BTF_FACTOR_VIEWS > 1 ? at.n_views + int(lights.weight.x >> 13u) : 1;
-    float power = uintBitsToFloat(c == 0 ? 0x3B800000u : (c == 1 ? 0x3C000000u : 0x3A000000u));
+    float power = uintBitsToFloat(c == 0 ? BTF_BITS_2_TO_MINUS_8
+                                         : (c == 1 ? BTF_BITS_2_TO_MINUS_7 : BTF_BITS_2_TO_MINUS_11));
     btf_factor_levels u[BTF_TEXELS];
     ivec4 e[BTF_TEXELS];
     do {

@@ -1,5 +1,5 @@
 /* OpenBTF shaders: gloss, for each neighbouring view the lights around a direction that keeps part of the half vector, so
- * that highlights stay where they are (FORMAT.md section 9).
+ * that highlights, which follow the half vector (Rusinkiewicz 1998), stay where they are (FORMAT.md section 9).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -15,7 +15,7 @@ ivec2 btf_gloss(vec3 l, vec3 v, vec3 view) {
     vec3 d = btf_add(view, -v);
     vec3 c = l;
     float k = btf_add(l.z, 1.0);
-    if (max(abs(d.x), max(abs(d.y), abs(d.z))) >= uintBitsToFloat(0x33800000u)) {
+    if (max(abs(d.x), max(abs(d.y), abs(d.z))) >= uintBitsToFloat(BTF_BITS_2_TO_MINUS_24)) {
         vec3 h = btf_add(l, v);
         float r = btf_reciprocal(min(max(btf_inner(h, h), 0.5), 4.0));
         float hd = btf_inner(h, d);

@@ -89,7 +89,7 @@
 #define BTF_FOLDED 0
 #endif
 #if BTF_FOLDED
-/* What was folded is not decoded again: not what the file holds for it, nor a light's neighbours. */
+/* A folded light is not decoded again: neither the textures that the fold replaces nor the light's neighbours are read. */
 #define BTF_FIXED_LIGHT 1
 #define BTF_FIXED_LIGHT_INDEX uvec3(0u)
 #define BTF_FIXED_LIGHT_WEIGHT uvec3(4096u, 0u, 0u)

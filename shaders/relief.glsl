@@ -1,6 +1,7 @@
 /* OpenBTF shaders: relief, the heights along which each neighbouring view is shifted before views are blended (FORMAT.md
  * sections 3 and 9). Positions are in 1/256 of a texel, v upwards; heights in 1/256 of a texel of the level that they were
- * made for, which is the first but in a restriction.
+ * made for, which is the first but in a restriction. The march is the linear search of relief mapping (Policarpo, Oliveira
+ * and Comba 2005).
  *
  * SPDX-License-Identifier: MIT
  */

@@ -19,7 +19,7 @@ void btf_residual_group(inout vec3 r[BTF_TEXELS], int g, int count, uvec2 x[BTF_
         green += w * btf_direction_components(lights.index[b], view, 3 * g + 1);
         blue += w * btf_direction_components(lights.index[b], view, 3 * g + 2);
     }
-    vec4 scale = btf_mul(texelFetch(btf_residual_scales, ivec2(g, 0), 0), uintBitsToFloat(0x39800000u));
+    vec4 scale = btf_mul(texelFetch(btf_residual_scales, ivec2(g, 0), 0), uintBitsToFloat(BTF_BITS_2_TO_MINUS_12));
     for (int i = 0; i < BTF_TEXELS; ++i) {
         vec4 u = btf_mul(vec4(texelFetch(btf_residual_texels, ivec3(x[i], g), level)), scale);
         r[i] = btf_add(r[i], btf_mul(vec3(red.x, green.x, blue.x), u.x));

@@ -4,9 +4,21 @@
  */
 #if BTF_SAMPLING
 
+#define BTF_BITS_1_OVER_PI 0x3EA2F983u
+/* Taylor: sin(pi s / 2) = s (SINE_0 + SINE_1 s^2 + ...), cos(pi s / 2) = 1 + COSINE_1 s^2 + ... for -1/2 <= s <= 1/2. */
+#define BTF_SINE_0 0x3FC90FDBu
+#define BTF_SINE_1 0xBF255DE7u
+#define BTF_SINE_2 0x3DA335E3u
+#define BTF_SINE_3 0xBB996966u
+#define BTF_SINE_4 0x39283C1Au
+#define BTF_COSINE_1 0xBF9DE9E6u
+#define BTF_COSINE_2 0x3E81E0F8u
+#define BTF_COSINE_3 0xBCAAE9E4u
+#define BTF_COSINE_4 0x3A70FA83u
+
 /* 24 bits of a random number, 0 <= x < 1. */
 float btf_unit(uint random) {
-    return btf_mul(float(random >> 8u), uintBitsToFloat(0x33800000u));
+    return btf_mul(float(random >> 8u), uintBitsToFloat(BTF_BITS_2_TO_MINUS_24));
 }
 
 /* A third number, hashed from the two given, with the constants of PCG (M. O'Neill, 2014). */
@@ -26,7 +38,7 @@ float btf_share(uint part, uint whole) {
     float p = float(part >> drop), w = float(whole >> drop);
     float down = uintBitsToFloat((254u - (floatBitsToUint(w) >> 23u)) << 23u);
     float share = btf_mul(btf_mul(p, down), btf_reciprocal(btf_mul(w, down)));
-    return min(share, uintBitsToFloat(0x3F7FFFFFu));
+    return min(share, uintBitsToFloat(BTF_BITS_BEFORE_1));
 }
 
 /* A direction whose density is its cosine over pi: a point of the disc, lifted (N. Malley's method). */
@@ -35,14 +47,14 @@ vec3 btf_cosine_direction(float u1, float u2) {
     int quarter = int(quarters);
     float s = btf_add(btf_add(quarters, -float(quarter)), -0.5);
     float square = btf_mul(s, s);
-    float p = uintBitsToFloat(0x39283C1Au), q = uintBitsToFloat(0x3A70FA83u);
-    p = btf_add(btf_mul(p, square), uintBitsToFloat(0xBB996966u));
-    p = btf_add(btf_mul(p, square), uintBitsToFloat(0x3DA335E3u));
-    p = btf_add(btf_mul(p, square), uintBitsToFloat(0xBF255DE7u));
-    p = btf_add(btf_mul(p, square), uintBitsToFloat(0x3FC90FDBu));
-    q = btf_add(btf_mul(q, square), uintBitsToFloat(0xBCAAE9E4u));
-    q = btf_add(btf_mul(q, square), uintBitsToFloat(0x3E81E0F8u));
-    q = btf_add(btf_mul(q, square), uintBitsToFloat(0xBF9DE9E6u));
+    float p = uintBitsToFloat(BTF_SINE_4), q = uintBitsToFloat(BTF_COSINE_4);
+    p = btf_add(btf_mul(p, square), uintBitsToFloat(BTF_SINE_3));
+    p = btf_add(btf_mul(p, square), uintBitsToFloat(BTF_SINE_2));
+    p = btf_add(btf_mul(p, square), uintBitsToFloat(BTF_SINE_1));
+    p = btf_add(btf_mul(p, square), uintBitsToFloat(BTF_SINE_0));
+    q = btf_add(btf_mul(q, square), uintBitsToFloat(BTF_COSINE_3));
+    q = btf_add(btf_mul(q, square), uintBitsToFloat(BTF_COSINE_2));
+    q = btf_add(btf_mul(q, square), uintBitsToFloat(BTF_COSINE_1));
     q = btf_add(btf_mul(q, square), 1.0);
     float sine = btf_mul(s, p), cosine = q;
     float radius = btf_pow(u1, 0.5), height = btf_pow(btf_add(1.0, -u1), 0.5);
@@ -93,13 +105,13 @@ float btf_pdf_light(vec2 uv, vec3 v, vec3 l) {
                       texelFetch(btf_sampling_densities, ivec2(int(n.index.z), view), 0).x);
         vec3 weights = vec3(btf_add(float(n.weight.x), 0.5), btf_add(float(n.weight.y), 0.5),
                             btf_add(float(n.weight.z), -1.0));
-        density = max(btf_mul(btf_weighted(weights, d), uintBitsToFloat(0x39800000u)), 0.0);
+        density = max(btf_mul(btf_weighted(weights, d), uintBitsToFloat(BTF_BITS_2_TO_MINUS_12)), 0.0);
     }
     float z = min(l.z, 1.0);
     float k = btf_reciprocal(btf_add(z, 1.0));
     density = btf_mul(btf_mul(density, k), k);
     float even = texelFetch(btf_sampling_densities, ivec2(int(BTF_N_LIGHTS), view), 0).x;
-    return btf_add(density, btf_mul(btf_mul(even, z), uintBitsToFloat(0x3EA2F983u)));
+    return btf_add(density, btf_mul(btf_mul(even, z), uintBitsToFloat(BTF_BITS_1_OVER_PI)));
 }
 
 /* A direction to the light, drawn in proportion to what the material reflects to v, from two numbers of 32 random bits,
@@ -128,13 +140,13 @@ vec3 btf_sample_light(vec2 uv, vec3 v, uint u1, uint u2, out float pdf) {
         uvec3 corners = texelFetch(btf_sampling_triangles, ivec2(low, size.y - 1), 0).xyz;
         vec3 b = btf_barycentric(btf_share(u1 - begin, row.x - begin), btf_unit(u2),
                                  btf_unit(btf_third_number(u1, u2)), uintBitsToFloat(row.yzw));
-        float x = btf_mul(btf_add(btf_weighted(b, vec3(corners & 65535u)), -8192.0), uintBitsToFloat(0x39000000u));
-        float y = btf_mul(btf_add(btf_weighted(b, vec3(corners >> 16u)), -8192.0), uintBitsToFloat(0x39000000u));
+        float x = btf_mul(btf_add(btf_weighted(b, vec3(corners & 65535u)), -8192.0), uintBitsToFloat(BTF_BITS_2_TO_MINUS_13));
+        float y = btf_mul(btf_add(btf_weighted(b, vec3(corners >> 16u)), -8192.0), uintBitsToFloat(BTF_BITS_2_TO_MINUS_13));
         float rr = btf_add(btf_mul(x, x), btf_mul(y, y));
         float k = btf_reciprocal(btf_add(1.0, rr));
         float twice = btf_add(k, k);
         l = vec3(btf_mul(x, twice), btf_mul(y, twice),
-                 max(btf_mul(btf_add(1.0, -rr), k), uintBitsToFloat(0x35800000u)));
+                 max(btf_mul(btf_add(1.0, -rr), k), uintBitsToFloat(BTF_BITS_2_TO_MINUS_20)));
     }
     pdf = btf_pdf_light(uv, v, l);
     return l;

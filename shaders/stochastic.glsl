@@ -1,5 +1,5 @@
 /* OpenBTF shaders: one neighbour in place of all, picked with its weight, and the blend that picks converge to
- * (FORMAT.md section 9, Stochastic decode).
+ * (FORMAT.md section 9, Stochastic decode; filtering after shading of Pharr, Wronski, Salvi and Fajardo 2024).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -135,7 +135,7 @@ vec3 btf_view_radiance(btf_setting s, int a, uvec2 at) {
         uint weight = (right ? u : 256u - u) * (upper ? v : 256u - v);
         if (weight > 0u) {
             vec3 radiance = btf_texel_radiance(s, a, uvec2(right ? cu.y : cu.x, upper ? cv.y : cv.x));
-            sum = btf_add(sum, btf_mul(radiance, btf_mul(float(weight), uintBitsToFloat(0x37800000u))));
+            sum = btf_add(sum, btf_mul(radiance, btf_mul(float(weight), uintBitsToFloat(BTF_BITS_2_TO_MINUS_16))));
         }
     }
     return sum;
@@ -199,7 +199,7 @@ vec3 btf_blend_choices(vec2 uv, vec3 l, vec3 v, int level) {
 /* A level of detail in 256ths, of those there are. */
 int btf_level_256ths(float level) {
     int last = int(BTF_LEVELS) - 1, bits = floatBitsToInt(level);
-    if (bits <= 0 || bits > 0x7F800000)
+    if (bits <= 0 || bits > BTF_BITS_INFINITY)
         return 0;
     return level >= float(last) ? last << 8 : int(floor(btf_mul(level, 256.0)));
 }
@@ -237,7 +237,7 @@ vec3 btf_evaluate_radiance_blend_between(vec2 uv, vec3 l, vec3 v, float level) {
     int at = btf_level_256ths(level), share = at & 255;
     vec3 sum = vec3(0.0);
     for (int i = 0; i < (share > 0 ? 2 : 1); ++i) {
-        float weight = btf_mul(float(i > 0 ? share : 256 - share), uintBitsToFloat(0x3B800000u));
+        float weight = btf_mul(float(i > 0 ? share : 256 - share), uintBitsToFloat(BTF_BITS_2_TO_MINUS_8));
         sum = btf_add(sum, btf_mul(btf_blend_choices(uv, l, v, (at >> 8) + i), weight));
     }
     return sum;

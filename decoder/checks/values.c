@@ -8,7 +8,7 @@
 #include "decoder/parts.h"
 #include <math.h>
 
-/* Of one level: info's size is that of the level. */
+/* The textures of one level, while they are checked: info's size is that of the level. */
 typedef struct values {
     const btfi_check *check;
     const btf_material_info *info;

@@ -105,7 +105,7 @@ static void add_components(btf_decode_counts *n, const way *w) {
     n->floats += turns * (16 + 32.0 * w->texels);
 }
 
-/* Of a class of factors: operations that expand a word of u; that bring up the codes of a word of w (a shift and a mask for
+/* Counts for a class of factors: operations that expand a word of u; that bring up the codes of a word of w (a shift and a mask for
  * each of s shifts), once for all texels; that multiply it with u (products and sums: 2 s - 1); and that take the dot
  * product of a whole unit or of a word out. Class 0 has signed bytes: 7 operations unpack a word. */
 typedef struct class_counts {

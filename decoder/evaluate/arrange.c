@@ -5,8 +5,8 @@
  * that they are multiplied by:
  *   class 0, 2, 4   u is as wide as w and lies in the same bits
  *   class 1         u of the low halves of the 16 bytes of w, a byte each, then of the high halves
- *   class 3         in byte j of the first 16 the u of the lower two codes of byte j of w, 4 bits each, in
- * byte j of the last 16 those of the upper two
+ *   class 3         in byte j of the first 16 the u of the lower two codes of byte j of w, 4 bits each,
+ *                   in byte j of the last 16 those of the upper two
  *
  * SPDX-License-Identifier: MIT
  */

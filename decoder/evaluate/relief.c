@@ -13,7 +13,7 @@ static int32_t slope_component(float component, float k) {
     return btfi_floor(s);
 }
 
-/* Of as much of a direction's slope as the relief acts. */
+/* A direction's slope times the share, in 4096ths, with which the relief acts. */
 static void faded_slope(const float d[3], int32_t share, int32_t out_slope[2]) {
     const float z = d[2] >= 0.25f ? d[2] : 0.25f, half = btfi_reciprocal(z + z), k = half + half;
     for (int i = 0; i < 2; i++) {

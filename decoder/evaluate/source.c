@@ -66,7 +66,7 @@ static appearance packed(const btf_evaluator *e, const btfi_way *way, const uint
     return seen;
 }
 
-/* From a code of the gain and bytes of the shift; where the file does not store them these are 128, 0 and
+/* Sets gain and shift of a point from a code of the gain and bytes of the shift; where the file does not store them these are 128, 0 and
  * 0. */
 static appearance separate(const btf_evaluator *e, const btfi_way *way, uint32_t code, uint32_t byte0,
                            uint32_t byte1) {

@@ -1,11 +1,12 @@
-/* A small path tracer: a material on a sphere and on the plane below it, under a sky and a small light,
- * seen through interreflection. Directions are drawn by the tables of openbtf/sampling.h, or by the cosine,
- * and weighed with those drawn to the light (multiple importance sampling, E. Veach, 1997, the balance
- * heuristic).
+/* A small path tracer: a material on a sphere and on the plane below it, under a sky and a small light, with light that
+ * is reflected between them. Directions are drawn by the tables of openbtf/sampling.h, or in proportion to the cosine,
+ * and weighed with those drawn to the light (multiple importance sampling, E. Veach, 1997, the balance heuristic).
  *
- *     pathtrace FILE.btf.exr OUT.png [SAMPLES [cosine]]     a picture of so many samples a pixel (default
- * 16) pathtrace FILE.btf.exr OUT.png compare SECONDS        cosine, tables and a longer render beside each
- * other: SECONDS of core time each, 8 times as long; prints errors
+ *     pathtrace FILE.btf.exr OUT.png [SAMPLES [cosine]]
+ *         renders a picture of so many samples a pixel (default 16)
+ *     pathtrace FILE.btf.exr OUT.png compare SECONDS
+ *         renders three pictures side by side: by the cosine and by the tables in SECONDS of core time each, and one in
+ *         8 times as long, against which it prints the errors of both
  *
  * Uses nothing of OpenBTF but its installed headers.
  *
@@ -194,14 +195,14 @@ static float draw_direction(const scene *s, bool cosine, const float view[3], ui
     return light[2] / PI;
 }
 
-/* Of the cone that the lamp fills from a point: 1 - cos of its half angle. */
+/* 1 - cos of the half angle of the cone that the lamp fills, seen from a point. */
 static float lamp_cone(vec from) {
     const vec o = add(lamp, scale(from, -1));
     const float sine2 = lamp_radius * lamp_radius / dot(o, o);
     return sine2 / (1 + sqrtf(fmaxf(1 - sine2, 0)));
 }
 
-/* What the lamp gives at a point, by a direction drawn to it. */
+/* Radiance that the point reflects of the lamp, estimated by one direction drawn in the cone of the lamp. */
 static vec from_lamp(const scene *s, bool cosine, const point *p, const float view[3], uint64_t *state) {
     const vec none = {0, 0, 0}, axis = unit(add(lamp, scale(p->at, -1)));
     const vec side = unit(fabsf(axis.z) < 0.9f ? cross(axis, (vec){0, 0, 1}) : cross(axis, (vec){1, 0, 0}));

@@ -61,7 +61,7 @@ static btf_result fold_radiance(const piece *p, const float light[3], const floa
     return result;
 }
 
-/* What the row's texels show in the first view of a situation, before views are blended. */
+/* Stores the values that the row's texels show in the first view of a situation, before views are blended. */
 static void fold_values(const piece *p, const btfi_way *way, const btfi_situation *situation) {
     const btfi_level *level = &p->evaluator->levels[p->level];
     for (uint32_t first = 0; first < level->width; first += BTFI_MOST_POINTS) {

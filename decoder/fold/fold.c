@@ -36,7 +36,7 @@ btf_result btf_fold_check(const btf_material_info *info, const btf_shader_option
     const btf_shader_options all = read_options(options);
     const uint32_t effects = info->effects & ~all.leave_out;
     if ((unsigned)all.fold > BTF_FOLD_NEIGHBOURS) {
-        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: fold %d is none of 0, 1, 2 and 3",
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: kind %d is unknown, expected 0 to 3",
                          (int)all.fold);
     }
     if (all.fold != BTF_FOLD_NONE && all.picks != BTF_PICK_NONE) {
@@ -49,7 +49,8 @@ btf_result btf_fold_check(const btf_material_info *info, const btf_shader_option
     }
     if (all.fold == BTF_FOLD_LIGHT && effects & BTF_EFFECT_GLOSS) {
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED,
-                         "fold: with gloss lights depend on the viewer: a light alone is not folded");
+                         "fold: the material has gloss, by which look-ups of lights follow the viewer: a "
+                         "light alone is not folded");
     }
     if (all.fold == BTF_FOLD_BOTH && effects & BTF_EFFECT_RELIEF) {
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED,

@@ -54,7 +54,7 @@ static const char neighbour_text[] =
     "    btf_pass_value = uvec4(floatBitsToUint(value), 0u);\n"
     "}\n";
 
-/* With the sum of the lights before, in a layer of another texture, or none. */
+/* The pass that adds one light to the sum of those before, which lies in a layer of another texture (or there is none). */
 static const char sum_text[] =
     "uniform highp vec3 btf_pass_light, btf_pass_viewer, btf_pass_weight;\n"
     "uniform highp int btf_pass_level, btf_pass_from;\n"
@@ -197,7 +197,7 @@ btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options
     return result;
 }
 
-/* What drawing puts in the place of the caller's state. */
+/* The objects that drawing binds, and the caller's state to put back afterwards. */
 typedef struct stage {
     btfi_gl_state saved;
     uint32_t framebuffer, array;
@@ -251,11 +251,12 @@ static btf_result draw_layer(const btf_gl_fold *f, const fold_program *program, 
     return BTF_OK;
 }
 
-/* What every call of a fold has in common. */
+/* Checks the arguments that all calls of a fold have. */
 static btf_result check_call(const btf_gl_fold *f, uint32_t number, const float *light, const float *view,
                              const btf_log *log) {
     if (number >= f->lights) {
-        return btfi_fail(log, BTF_ERROR_USAGE, "fold: light %u, but the fold has %u, from 0 on", number,
+        return btfi_fail(log, BTF_ERROR_USAGE,
+                         "fold: light %u is beyond the %u lights of the fold, which count from 0", number,
                          f->lights);
     }
     if (!light) {

@@ -381,15 +381,15 @@ static void note_choice(exr_const_context_t context, const choices *all, const e
             continue;
         }
         if (other->part == c->part) {
-            image_note(
-                info, IMAGE_NOTE_PARTS,
-                "EXR: the picture of %s is read, not its spectrum (--layer spectral reads the spectrum)",
-                part);
+            image_note(info, IMAGE_NOTE_PARTS,
+                       "EXR: the picture of %s is read, not its spectrum (option layer: \"spectral\" reads "
+                       "the spectrum)",
+                       part);
         } else if (rank(other) <= rank(c) && (!other->layer[0] || other->kind == EXR_KIND_SPECTRUM)) {
             char beside[80];
             exr_part_text(context, other->part, beside, sizeof beside);
             image_note(info, IMAGE_NOTE_PARTS,
-                       "EXR: %s is read, not the %s in %s (--layer NAME picks another)", part,
+                       "EXR: %s is read, not the %s in %s (option layer picks another)", part,
                        other->kind == EXR_KIND_SPECTRUM ? "spectrum" : "picture", beside);
         }
     }
@@ -417,17 +417,16 @@ btf_result exr_choose(exr_const_context_t context, const char *layer, exr_choice
         list_all(context, list, sizeof list);
         if (layer) {
             snprintf(message, message_size,
-                     "EXR: --layer %.60s does not name exactly one layer, part or channel: %s", layer,
-                     list);
+                     "EXR: option layer: '%.60s' does not name exactly one layer, part or channel: %s",
+                     layer, list);
         } else if (all.count == 0) {
-            snprintf(
-                message, message_size,
-                "EXR: no channels R, G, B, nor X, Y, Z, nor Y, RY, BY, nor Y alone, nor four of a spectrum "
-                "(such as 400nm); --layer NAME reads one as grey: %s",
-                list);
+            snprintf(message, message_size,
+                     "EXR: there are no channels R, G, B, nor X, Y, Z, nor Y, RY, BY, nor Y alone, nor "
+                     "four of a spectrum (such as 400nm); option layer names one to read as grey: %s",
+                     list);
         } else {
             snprintf(message, message_size,
-                     "EXR: the file holds several pictures; --layer NAME picks one: %s", list);
+                     "EXR: the file holds several pictures; option layer picks one: %s", list);
         }
     }
     free(all.of);

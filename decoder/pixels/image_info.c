@@ -212,6 +212,7 @@ void image_info_profile(image_info *info, const char *format, const unsigned cha
         return;
     }
     image_note(info, IMAGE_NOTE_PROFILE,
-               "%s: the colour profile \"%s\"%s is not applied: convert to sRGB, or see --transfer", format,
-               text, differs ? ", whose curves or primaries are not sRGB's," : "");
+               "%s: the colour profile \"%s\"%s is not applied: convert the image to sRGB, or give option "
+               "transfer",
+               format, text, differs ? ", whose curves or primaries are not sRGB's," : "");
 }

@@ -1,4 +1,4 @@
-"""What pyproject.toml cannot say: a wheel with the C libraries in it is one of this machine's kind alone.
+"""Marks a wheel that has the C libraries in it as one for this kind of machine alone, which pyproject.toml cannot say.
 
 SPDX-License-Identifier: MIT
 """

@@ -1,4 +1,4 @@
-/* How much of a job is done and how long the rest takes. See estimate.h.
+/* Estimates how much of a job is done and how long the rest takes. See estimate.h.
  *
  * SPDX-License-Identifier: MIT
  */

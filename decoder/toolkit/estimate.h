@@ -1,4 +1,4 @@
-/* How much of a job is done and how long the rest takes, from the predicted costs of its stages and a
+/* Estimates how much of a job is done and how long the rest takes, from the predicted costs of its stages and a
  * clock.
  *
  * Costs are in any unit: only their ratios count. The rate is what the cost done so far took; within a

@@ -111,7 +111,7 @@ __attribute__((format(printf, 3, 4))) static btf_result fail(const reading *r, b
     return result;
 }
 
-/* Of the picture, which of its channels one of the list is; -1: none. */
+/* The channel of the picture that a channel of the file's list is; -1: none. */
 static int role_of(const reading *r, int channel) {
     for (int c = 0; c < (r->choice.kind == EXR_KIND_GREY ? 1 : 3) && r->choice.kind != EXR_KIND_SPECTRUM;
          c++) {
@@ -405,9 +405,10 @@ static void note_views(reading *r) {
         a->type != EXR_ATTR_STRING_VECTOR || a->stringvector->n_strings < 2) {
         return;
     }
-    image_note(
-        r->info, IMAGE_NOTE_PARTS, "EXR: of %d views \"%.60s\" is read (--layer %.60s reads another)",
-        (int)a->stringvector->n_strings, a->stringvector->strings[0].str, a->stringvector->strings[1].str);
+    image_note(r->info, IMAGE_NOTE_PARTS,
+               "EXR: of %d views \"%.60s\" is read (option layer: \"%.60s\" reads another)",
+               (int)a->stringvector->n_strings, a->stringvector->strings[0].str,
+               a->stringvector->strings[1].str);
 }
 
 static btf_result heed_attributes(reading *r) {

@@ -1,4 +1,4 @@
-/* Reading a whole file, and messages with values.
+/* Reads whole files, tells kinds of files apart, and formats messages. See file.h.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -6,8 +6,8 @@
 
 enum { ROWS = 8 };
 
-/* Rows of 5 bits from the top, the highest bit to the left; from ' ' to '~'. The eighth is below the base
- * line. */
+/* The characters from ' ' to '~', each 5 x 8 pixels: rows from the top, of which the eighth is below the base line; bit 4
+ * of a row is its leftmost pixel. */
 static const unsigned char glyphs[95][ROWS] = {
     {0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00}, /*   */
     {0x04, 0x04, 0x04, 0x04, 0x04, 0x00, 0x04}, /* ! */
@@ -107,6 +107,7 @@ static const unsigned char glyphs[95][ROWS] = {
 };
 
 bool font_pixel(char c, int x, int y) {
+    /* stands for every other character */
     static const unsigned char box[ROWS] = {31, 17, 17, 17, 17, 17, 31};
     const unsigned char *rows = c >= ' ' && c <= '~' ? glyphs[c - ' '] : box;
     return x >= 0 && x < 5 && y >= 0 && y < ROWS && (rows[y] >> (4 - x) & 1);

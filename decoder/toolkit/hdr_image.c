@@ -274,8 +274,8 @@ btf_result hdr_image_read(const void *data, size_t size, size_t max_pixels, int 
     result = rgbe && pixels ? BTF_OK : BTF_ERROR_MEMORY;
     for (int line = 0; line < h.lines && result == BTF_OK; line++) {
         if (!read_scanline(&c, rgbe, h.length)) {
-            snprintf(message, message_size, "HDR: truncated or damaged in scan line %d of %d", line,
-                     h.lines);
+            snprintf(message, message_size, "HDR: the file is cut short or damaged in scan line %d of %d",
+                     line, h.lines);
             result = BTF_ERROR_BAD_FILE;
             break;
         }

@@ -139,8 +139,9 @@ static btf_result decode(reading *r, const void *data, size_t size, size_t max_p
         return BTF_ERROR_UNSUPPORTED;
     }
     if ((size_t)r->jpeg.image_width * r->jpeg.image_height > max_pixels) {
-        snprintf(r->error.text, sizeof r->error.text, "%ux%u pixels are too many", r->jpeg.image_width,
-                 r->jpeg.image_height);
+        snprintf(r->error.text, sizeof r->error.text,
+                 "%ux%u pixels are more than %zu, the most that are read", r->jpeg.image_width,
+                 r->jpeg.image_height, max_pixels);
         return BTF_ERROR_UNSUPPORTED;
     }
     const int turned = orientation(&r->jpeg);

@@ -352,7 +352,8 @@ static btf_result decode(reading *r, png_structp png, png_infop info, size_t max
     png_read_info(png, info);
     const size_t width = png_get_image_width(png, info), height = png_get_image_height(png, info);
     if (width > max_pixels / height) {
-        snprintf(r->text, sizeof r->text, "%zux%zu pixels are too many", width, height);
+        snprintf(r->text, sizeof r->text, "%zux%zu pixels are more than %zu, the most that are read", width,
+                 height, max_pixels);
         return BTF_ERROR_UNSUPPORTED;
     }
     size_t exif_size = 0;

@@ -173,7 +173,7 @@ const char *scene_plan_amount(const btf_plan *plan, char *text, size_t size) {
     return text;
 }
 
-/* What the plan leaves out of the whole material, after `text`; nothing where that is nothing. */
+/* Prints `text` and the parts of the material that the plan leaves out; nothing where it leaves out none. */
 static void print_left_out(FILE *out, const char *text, const btf_material *material,
                            const btf_plan *plan) {
     btf_material_info info = {.struct_size = sizeof info};

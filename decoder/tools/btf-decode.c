@@ -103,9 +103,8 @@ static const cli_option option_table[] = {
 static const cli_program program = {
     .name = "btf-decode",
     .usage = "FILE -o OUT [--view T,P] [--light T,P] | FILE -o DIR",
-    .summary = "Decodes a material file (*.btf.exr) to images, texel by texel, with the very bits of the "
-               "reference\n"
-               "decoder, which every exact decoder gives.",
+    .summary = "Decodes a material file (*.btf.exr) to images, texel by texel, bit for bit as the reference\n"
+               "decoder and every exact decoder do.",
     .details =
         "Angles: theta from the surface normal, phi from +u (to the right) towards +v (up).\n"
         "All images are DIR/tvTTT_pvPPP/NNNNN tlTTT plPPP tvTTT pvPPP.png (.exr), the layout of UBO2003.\n"

@@ -241,7 +241,7 @@ static double component_bytes(const search *s, int class) {
     return 4.0 * (double)(s->texels * k->u_texels + s->columns) / (double)k->word;
 }
 
-/* How many components of each channel go to each class at a price of a byte; returns their bytes. */
+/* Counts the components of each channel that go to each class at a price of a byte; returns their bytes. */
 static double count_at(const search *s, double price,
                        size_t counts[ENC_FACTOR_CLASSES][ENC_FACTOR_CHANNELS]) {
     double bytes = 0;

@@ -7,7 +7,8 @@
 #include <stdlib.h>
 
 btf_result enc_mpi_start(btf_log log, enc_ranks **out_ranks, enc_mpi_share *io_share) {
-    const char *ranks = getenv("OMPI_COMM_WORLD_SIZE"); /* else each would do the same, to one file */
+    /* Set by mpirun. Without this check each of its processes would encode the same and write the same file. */
+    const char *ranks = getenv("OMPI_COMM_WORLD_SIZE");
     const enc_context context = {.log = log};
     (void)io_share;
     *out_ranks = NULL;
@@ -16,7 +17,7 @@ btf_result enc_mpi_start(btf_log log, enc_ranks **out_ranks, enc_mpi_share *io_s
     }
     if (ranks && atoi(ranks) > 1) {
         return enc_fail(&context, BTF_ERROR_UNSUPPORTED,
-                        "started as %s ranks, but this program was built without MPI", ranks);
+                        "mpirun started %s ranks, but this program was built without MPI", ranks);
     }
     return BTF_OK;
 }

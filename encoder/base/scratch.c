@@ -36,7 +36,7 @@ btf_result enc_scratch_folder(const enc_context *context, uint64_t size, const c
     if (available < (double)size) {
         return enc_fail(context, BTF_ERROR_IO,
                         "scratch file: %.2f GB are needed in %s, where %.2f GB are free (set TMPDIR to "
-                        "another folder, or allow more --memory)",
+                        "another folder, or give more by option memory)",
                         (double)size * 1e-9, folder, available * 1e-9);
     }
     *out_folder = folder;

@@ -9,7 +9,7 @@
 
 struct enc_blend {
     const enc_data *data;
-    bool roots;
+    bool roots; /* square roots of radiance are blended, not radiance */
     enc_interpolator *views, *lights;
 };
 
@@ -48,7 +48,8 @@ void enc_blend_destroy(enc_blend **blend) {
     *blend = NULL;
 }
 
-/* The sum over the lights of one profile, in four lanes of one order. */
+/* The weighted sum of a profile, the samples of a texel, a view and a channel under every light. all: the indices are 0,
+ * 1, ...; then four partial sums, always added in the same order, leave the compiler free to use vectors. */
 static float weigh(const float *profile, const enc_weights *w, bool all) {
     float lane[4] = {0};
     int i = 0;
@@ -65,7 +66,7 @@ static float weigh(const float *profile, const enc_weights *w, bool all) {
     return (lane[0] + lane[1]) + (lane[2] + lane[3]);
 }
 
-/* One texel's samples, [view][channel][light], at one pair. */
+/* Blends the samples of a texel, [view][channel][light], for one pair of view and light. */
 static void blend_texel(const enc_blend *b, const pair_weights *w, const float *samples, float out[3]) {
     const size_t lights = (size_t)b->data->n_lights;
     const bool all = w->light.count == b->data->n_lights; /* then the indices are 0, 1, ... */
@@ -79,7 +80,7 @@ static void blend_texel(const enc_blend *b, const pair_weights *w, const float *
     }
 }
 
-/* One texel of the images of all pairs: out[pair][texel][3]. */
+/* Fills in one texel of the images of all pairs: out[pair][texel][3]. */
 static btf_result blend_all(const enc_context *context, const enc_blend *b, const pair_weights *weights,
                             size_t count, size_t texel, float *buffer, float *roots, float *out) {
     const size_t texels = enc_data_texel_count(b->data), stride = enc_data_texel_stride(b->data);
@@ -127,5 +128,5 @@ btf_result enc_blend_images(const enc_context *context, const enc_blend *blend, 
         enc_keep_worse(&result, mine);
     }
     free(weights);
-    return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "blending: out of memory") : result;
+    return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "images between the samples: out of memory") : result;
 }

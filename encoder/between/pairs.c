@@ -181,11 +181,12 @@ btf_result enc_pairs_open(const enc_context *context, const char *path, const en
     }
     if (result == BTF_OK && options->components > 0) {
         result = enc_fail(context, BTF_ERROR_USAGE,
-                          "%s: --components is only for a Bonn .btf file, which this is not", path);
+                          "%s: option components is only for a Bonn .btf file, which this is not", path);
     }
     if (result == BTF_OK && options->coincident) {
-        result = enc_fail(context, BTF_ERROR_USAGE,
-                          "%s: --coincident is only for a data set, and these are single images", path);
+        result =
+            enc_fail(context, BTF_ERROR_USAGE,
+                     "%s: option coincident is only for a data set, and these are single images", path);
     }
     if (result == BTF_OK) {
         result = enc_read_source(context, path, &pairs->source->source);
@@ -243,7 +244,7 @@ static void tell_negative(const enc_context *context, const enc_pairs *pairs, si
     }
     pairs->source->reported_negative = true;
     enc_log(context, BTF_LOG_WARNING,
-            "%s: %s: %zu samples below 0 were set to 0, and so are those of further images (--strict "
+            "%s: %s: %zu samples below 0 were set to 0, and so are those of further images (option strict "
             "refuses them)",
             pairs->source->source->location, pairs->pair[i].name, negative);
 }
@@ -263,24 +264,18 @@ static btf_result fetch(const enc_pairs *pairs, size_t i, void **out_file, size_
 
 btf_result enc_pairs_read(const enc_context *context, const enc_pairs *pairs, size_t i, float *out) {
     const enc_pairs_source *s = pairs->source;
-    const float factor = s->options.cosine == ENC_COSINE_MISSING ? pairs->pair[i].light.xyz[2] : 1.0f;
-    const size_t floats = 3 * (size_t)pairs->width * (size_t)pairs->height;
     char message[MESSAGE_SIZE] = "";
     image_notes notes = {0};
     void *file = NULL;
-    size_t size = 0;
+    size_t size = 0, negative = 0;
     btf_result result = fetch(pairs, i, &file, &size, message);
     if (result == BTF_OK) {
-        result = enc_radiance_convert(&s->radiance, file, size, out, &notes, message, sizeof message);
+        result = enc_radiance_convert(&s->radiance, file, size, pairs->pair[i].light.xyz[2], out, &negative,
+                                      &notes, message, sizeof message);
     }
     free(file);
     if (result != BTF_OK) {
         return report(context, pairs, i, result, message);
-    }
-    size_t negative = 0;
-    for (size_t p = 0; p < floats; p++) {
-        negative += out[p] < 0.0f;
-        out[p] = out[p] > 0.0f ? out[p] * factor : 0.0f;
     }
     tell(context, pairs, i, &notes);
     tell_negative(context, pairs, i, negative);

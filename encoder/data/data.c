@@ -55,10 +55,10 @@ static btf_result check_memory(const enc_context *context, int width, int height
     if (least <= context->memory) {
         return BTF_OK;
     }
-    return enc_fail(context, BTF_ERROR_USAGE,
-                    "--memory %zu is too small: %dx%d texels, %d views and %d lights take at least %lluK",
-                    context->memory, width, height, n_views, n_lights,
-                    (unsigned long long)((least + 999) / 1000));
+    return enc_fail(
+        context, BTF_ERROR_USAGE,
+        "option memory: %zu bytes are too few: %dx%d texels, %d views and %d lights take at least %lluK",
+        context->memory, width, height, n_views, n_lights, (unsigned long long)((least + 999) / 1000));
 }
 
 /* Everything but the samples. */
@@ -116,10 +116,10 @@ bool enc_data_fits(const enc_context *context, int width, int height, int n_view
 
 static btf_result allocate(const enc_context *context, enc_data *data, uint64_t bytes) {
     data->samples = calloc((size_t)bytes, 1);
-    return data->samples
-               ? BTF_OK
-               : enc_fail(context, BTF_ERROR_MEMORY, "samples: out of memory for %.2f GB (see --memory)",
-                          (double)bytes * 1e-9);
+    return data->samples ? BTF_OK
+                         : enc_fail(context, BTF_ERROR_MEMORY,
+                                    "samples: out of memory for %.2f GB (option memory sets a limit)",
+                                    (double)bytes * 1e-9);
 }
 
 btf_result enc_data_create(const enc_context *context, int width, int height, int n_views,

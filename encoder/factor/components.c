@@ -16,7 +16,7 @@
 #define LEAST_ENERGY 1e-11
 
 enum { MOST_ROUNDS = 6 };
-/* From this deviation on, one round of Cholesky QR does not make rows orthonormal in float. */
+/* The deviation from which on one round of Cholesky QR does not make rows orthonormal in float. */
 #define FAR 0.1
 
 static btf_result no_memory(const enc_factor_matrix *m, size_t rank) {
@@ -40,7 +40,7 @@ static double deviation(size_t rank, const double *gram) {
     return most;
 }
 
-/* By two rounds of Cholesky QR (Yamamoto, Nakatsukasa, Yanagisawa and Fukaya 2015), whose Gram matrices are
+/* Makes rows orthonormal by two rounds of Cholesky QR (Yamamoto, Nakatsukasa, Yanagisawa and Fukaya 2015), whose Gram matrices are
  * in double: the rows of a random product are almost parallel. Where the data have far fewer components
  * than rows are wanted, most rows are rounding of others, and a round or two more are needed. */
 bool enc_components_orthonormalise(const enc_factor_matrix *m, size_t rank, size_t count, float *x) {
@@ -73,7 +73,7 @@ bool enc_components_orthonormalise(const enc_factor_matrix *m, size_t rank, size
     return done;
 }
 
-/* From orthonormal u and w = u A to components: the eigenvectors of w w^T turn both. */
+/* Turns orthonormal u, and w = u A, into components: the eigenvectors of w w^T turn both. */
 static bool finish(const enc_factor_matrix *m, const float *u, const float *w, enc_components *io) {
     const size_t sought = io->sought;
     double *gram = malloc(sought * sought * sizeof *gram);

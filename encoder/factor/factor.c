@@ -1,4 +1,4 @@
-/* Factorise, allocate, round, pack. See factor.h.
+/* Encodes with and without match, and keeps the better. See factor.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -7,7 +7,8 @@
 #include "choose_plan.h"
 #include "decoder/toolkit/progress.h"
 #include "encoder/base/stage.h"
-#include "match_fit.h"
+#include "encoder/factor/match/fit.h"
+#include "factorise.h"
 #include "round.h"
 #include "steps.h"
 
@@ -15,12 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum {
-    POWER_STEPS = 1,
-    CHROMA_SHARE = 8, /* luma has so many times the components of a chroma channel, to begin with */
-    SPARE = 24,       /* components beyond what the budget is thought to hold */
-};
 
 /* Match is tried to the end where a survey expects it to leave at most MAY_PAY of the squared error that
  * the same bytes leave without it, and at most MAY_LEAVE of that which its own factors leave without
@@ -33,94 +28,6 @@ enum {
 #define MAY_PAY 1.12
 #define MAY_LEAVE 0.88
 #define MUST_GAIN 0.05
-
-/* Bits of a factor, by which the components that a budget holds are estimated: measured materials take 3.3. */
-#define MEAN_BITS 3.2
-
-/* Components of luma and chroma that are looked for first. */
-static void first_ranks(size_t texels, size_t columns, uint64_t budget, size_t out[ENC_FACTOR_CHANNELS]) {
-    const size_t side = texels < columns ? texels : columns;
-    const double fits = (double)budget * 8 / MEAN_BITS / (double)(texels + columns);
-    const size_t luma = fits < (double)side ? (size_t)fits + SPARE : side;
-    out[0] = luma < side ? luma : side;
-    out[1] = out[2] = luma / CHROMA_SHARE + SPARE < side ? luma / CHROMA_SHARE + SPARE : side;
-}
-
-/* The number of components to search for again; 0 where enough were found. Too few were found where the plan keeps
- * all of them, up to a word, and the matrix has more. */
-static size_t missing(const enc_factor_matrix *m, const enc_components *components,
-                      const enc_factor_plan *plan, int channel) {
-    const size_t side = m->texels < m->columns ? m->texels : m->columns;
-    size_t kept = 0;
-    for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
-        kept += enc_factor_held(plan, k, channel, components->rank);
-    }
-    const bool all = kept + ENC_FACTOR_MOST_WORD > components->rank;
-    const bool more = components->rank == components->sought && components->sought < side;
-    return all && more ? 2 * components->sought : 0;
-}
-
-/* The plan for components: without a tolerance one that fills the budget, else one that leaves out what is
- * noise and stops where more bytes do not pay. asked: channels that were found anew. */
-static btf_result make_plan(const enc_factor_matrix *m, const enc_factor_options *options,
-                            const enc_components components[ENC_FACTOR_CHANNELS],
-                            const bool asked[ENC_FACTOR_CHANNELS], enc_signal *io_signal,
-                            enc_factor_plan *plan, enc_unspent *unspent) {
-    const size_t views = (size_t)m->data->n_views, lights = (size_t)m->data->n_lights;
-    const enc_factor_energies energies = enc_components_energies(components);
-    const bool stops = options->tolerance > 0;
-    const btf_result result = stops ? enc_signal_find(m, components, asked, io_signal) : BTF_OK;
-    if (result != BTF_OK) {
-        return result;
-    }
-    const bool planned =
-        stops ? enc_stop_allocate(&energies, io_signal, m->texels, views, lights, options->budget,
-                                  options->tolerance, plan, unspent)
-              : enc_factor_allocate(&energies, m->texels, views, lights, options->budget, plan);
-    return planned ? BTF_OK : enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
-}
-
-/* The bytes that each candidate may use: those that pay without match. Where less than a unit of the budget
- * is left, the budget. */
-static uint64_t equal_bytes(const enc_factor_matrix *m, const enc_factor_options *options,
-                            const enc_unspent *unspent) {
-    const uint64_t unit = 16 * (uint64_t)(m->texels + m->columns);
-    return unspent->budget > 0 && unspent->bytes + unit <= options->budget ? unspent->bytes
-                                                                           : options->budget;
-}
-
-/* Components and the plan for them; channels that turn out short are found again, with twice as many,
- * unless what was found ends in noise. */
-static btf_result factorise(const enc_factor_matrix *m, const enc_factor_options *options,
-                            enc_components components[ENC_FACTOR_CHANNELS], enc_factor_plan *plan,
-                            enc_unspent *unspent) {
-    size_t ranks[ENC_FACTOR_CHANNELS];
-    enc_signal signal = {0};
-    btf_result result = BTF_OK;
-    first_ranks(m->texels, m->columns, options->budget, ranks);
-    for (bool again = true; again && result == BTF_OK;) {
-        bool asked[ENC_FACTOR_CHANNELS];
-        for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-            asked[c] = ranks[c] > 0;
-        }
-        enc_stage_begin(m->context, "factorise", 2 * (POWER_STEPS + 1) * m->texels);
-        result = enc_components_find(m, ranks, POWER_STEPS, components);
-        enc_stage_end(m->context);
-        if (result == BTF_OK) {
-            result = make_plan(m, options, components, asked, &signal, plan, unspent);
-        }
-        again = false;
-        for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-            const bool noise = unspent->budget > 0 && signal.rank[c] < components[c].rank;
-            ranks[c] = noise ? 0 : missing(m, &components[c], plan, c);
-            again = again || ranks[c] > 0;
-        }
-    }
-    enc_signal_clear(&signal);
-    return result == BTF_OK
-               ? enc_choose_plan(m, components, equal_bytes(m, options, unspent), options->sweeps, plan)
-               : result;
-}
 
 /* An empty result of a plan's shape. */
 static enc_factors *factors_create(const enc_data *data, const enc_factor_plan *plan) {
@@ -387,7 +294,7 @@ static btf_result hand_over(const enc_factor_matrix *m, uint64_t bytes, uint64_t
 static btf_result try_match(const enc_factor_matrix *m, const enc_factor_options *options, found *plain,
                             found *matched) {
     const double begin = progress_core_clock();
-    const uint64_t lists = match_bytes(m), bytes = equal_bytes(m, options, &plain->unspent);
+    const uint64_t lists = match_bytes(m), bytes = enc_factorise_equal_bytes(m, options->budget, &plain->unspent);
     const uint64_t least = enc_factor_least_budget(m->data->width, m->data->height, m->data->n_views,
                                                    m->data->n_lights);
     const bool choose = options->match == ENC_FACTOR_CHOOSE_MATCH;
@@ -434,13 +341,15 @@ static btf_result borrow_components(const enc_factor_matrix *m, const enc_factor
                : enc_fail(m->context, BTF_ERROR_MEMORY, "factors: out of memory");
 }
 
+/* The components and the plan of the first candidate: borrowed, out of a checkpoint, or found. */
 static btf_result find_components(const enc_factor_matrix *m, const enc_factor_options *options, found *f) {
     btf_result result = BTF_OK;
     if (options->basis && options->basis[0].sought > 0) {
         return borrow_components(m, options, f);
     }
     if (!enc_factor_take_components(m, options->number, f->components, &f->plan, &f->unspent)) {
-        result = factorise(m, options, f->components, &f->plan, &f->unspent);
+        result = enc_factorise(m, options->budget, options->tolerance, options->sweeps, f->components, &f->plan,
+                               &f->unspent);
         if (result == BTF_OK) {
             result = enc_factor_keep_components(m, options->number, f->components, &f->plan, &f->unspent);
         }
@@ -547,7 +456,7 @@ uint64_t enc_factor_least_budget(int width, int height, int n_views, int n_light
 uint64_t enc_factor_memory(int width, int height, int n_views, int n_lights, uint64_t budget, int threads) {
     const size_t texels = (size_t)width * (size_t)height, columns = (size_t)n_views * (size_t)n_lights;
     size_t ranks[ENC_FACTOR_CHANNELS];
-    first_ranks(texels, columns, budget, ranks);
+    enc_factorise_first_ranks(texels, columns, budget, ranks);
     const uint64_t rank = ranks[0] + ranks[1] + ranks[2], longest = texels > columns ? texels : columns;
     const uint64_t factors = sizeof(float) * rank * (texels + columns);
     const uint64_t square = (uint64_t)ranks[0] * ranks[0];
@@ -558,7 +467,7 @@ uint64_t enc_factor_memory(int width, int height, int n_views, int n_lights, uin
 
 uint64_t enc_factor_match_memory(int width, int height, int n_views, uint64_t budget, bool whole) {
     const uint64_t points = (uint64_t)width * (uint64_t)height * (uint64_t)n_views;
-    const uint64_t turned = (uint64_t)((double)budget * 8 / MEAN_BITS) * sizeof(float);
+    const uint64_t turned = (uint64_t)enc_factorise_expected(budget) * sizeof(float);
     /* sources, gains, users and weights of points; u once more, texel by texel; then what the search of a
      * block holds */
     return points * (4 + 1 + 4 + 4 + 4) + turned +

@@ -14,7 +14,7 @@
 
 enum { ENC_FACTOR_SWEEPS = 6 };
 
-/* Whether texels take profiles from one another (match.h). */
+/* Whether texels take profiles from one another (match/match.h). */
 typedef enum enc_factor_match {
     ENC_FACTOR_NO_MATCH,
     ENC_FACTOR_MATCH,
@@ -51,7 +51,7 @@ uint64_t enc_factor_least_budget(int width, int height, int n_views, int n_light
 
 /* Bytes that an encode without match takes at most beside the samples, and those that match adds. Where the
  * memory allowed does not hold both beside the samples, match is left out of the choice; where it holds
- * more, match takes the coordinates of the whole texture (match.h), which saves time. */
+ * more, match takes the coordinates of the whole texture (match/match.h), which saves time. */
 uint64_t enc_factor_match_memory(int width, int height, int n_views, uint64_t budget, bool whole);
 uint64_t enc_factor_memory(int width, int height, int n_views, int n_lights, uint64_t budget, int threads);
 

@@ -18,7 +18,7 @@
 #include "encoder/allocation/allocate.h"
 #include "encoder/data/data.h"
 #include "encoder/math/gemm.h"
-#include "match.h"
+#include "encoder/factor/match/match.h"
 
 #include <stdint.h>
 

@@ -1,4 +1,4 @@
-/* How much of each component of a BTF is signal, judged by samples that are left out.
+/* Estimates the share of signal, as against noise, in each component of a BTF, by samples that are left out.
  *
  * Bi-cross-validation (Owen and Perry 2009): a block of texels times a block of pairs of view and light is
  * left out; the components of the remaining rows and columns predict it from the left-out texels at the

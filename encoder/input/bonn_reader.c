@@ -8,6 +8,7 @@
 #include "encoder/math/area.h"
 #include "bonn_decode.h"
 #include "grid.h"
+#include "named_images.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -164,7 +165,7 @@ static btf_result order_directions(const enc_context *context, const enc_bonn_fi
                             "%s: theta of %s %u is %g degrees, not at least 0 and below 90", file->path,
                             what, i, theta);
         }
-        sorted[i] = (numbered){theta, theta == 0.0 ? 0.0 : enc_grid_azimuth(options, theta, phi), (int)i};
+        sorted[i] = (numbered){theta, theta == 0.0 ? 0.0 : enc_named_azimuth(options, theta, phi), (int)i};
     }
     qsort(sorted, count, sizeof *sorted, paper_order);
     for (uint32_t i = 0; i < count; i++) {

@@ -1,4 +1,4 @@
-/* From coded pixels to linear Rec. 709 radiance, and to another size.
+/* Decodes pixels to linear Rec. 709 radiance, and resizes images.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* From the names of images to a full grid of views and lights.
+/* Builds the full grid of views and lights from the images of a source.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -41,13 +41,6 @@ typedef struct enc_grid_image {
  * BTF_ERROR_MEMORY. */
 btf_result enc_grid_list(const enc_context *context, const enc_source *source,
                          const enc_read_options *options, enc_grid_image **out_images, size_t *out_count);
-
-/* The azimuth that options make of a given one, degrees in [0, 360), on a grid of 1e-9 degrees so that 360
- * - tiny does not differ from 0. */
-double enc_grid_azimuth(const enc_read_options *options, double theta, double phi);
-
-/* Degrees within which two angles are one. */
-#define ENC_GRID_SAME 1e-3
 
 /* Degrees that the top view may be off the normal. */
 #define ENC_GRID_POLE_DISTANCE 5.0

@@ -29,7 +29,8 @@ btf_result enc_image_decode_layer(const void *data, size_t size, const char *lay
     message[0] = '\0';
     if (layer && !begins_with(data, size, "\x76\x2f\x31\x01", 4)) {
         snprintf(message, message_size,
-                 "--layer %s: not an OpenEXR file, and files of other formats have no layers", layer);
+                 "option layer: '%s', but this is no OpenEXR file, and other formats have no layers",
+                 layer);
         return BTF_ERROR_UNSUPPORTED;
     }
     if (begins_with(data, size, "\xff\xd8", 2)) {

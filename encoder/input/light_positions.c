@@ -6,7 +6,7 @@
 
 #include "encoder/data/coincident.h"
 #include "csv.h"
-#include "grid.h"
+#include "named_images.h"
 #include "names.h"
 
 #include <math.h>
@@ -56,30 +56,31 @@ static btf_result take_line(const enc_csv *csv, bool is_first, const enc_read_op
     size_t numbers;
     if (!parse_line(csv, a, &numbers)) {
         if (!is_first || numbers > 0) {
-            return enc_csv_fail(csv, "expected theta, phi, and theta and phi of the light: %.60s",
-                                csv->fields[csv->count > 4 ? csv->count - 4 : 0]);
+            return enc_csv_fail(
+                csv, "expected theta and phi of the view, then theta and phi of the light: %.60s",
+                csv->fields[csv->count > 4 ? csv->count - 4 : 0]);
         }
-        enc_log(csv->context, BTF_LOG_WARNING,
-                "%s: line %zu is taken for headings, whatever they say: columns are theta, phi, and theta "
-                "and phi of "
-                "the light",
-                csv->path, csv->text.number);
+        enc_log(
+            csv->context, BTF_LOG_WARNING,
+            "%s: line %zu is taken for headings, which are not looked at: the columns are theta and phi of "
+            "the view, then theta and phi of the light",
+            csv->path, csv->text.number);
         return BTF_OK;
     }
     if (!(a[2] >= 0.0 && a[2] < 90.0)) {
         return enc_csv_fail(csv, "theta %g of the light is not at least 0 and below 90", a[2]);
     }
-    const int view = find_view(data, a[0], enc_grid_azimuth(options, a[0], a[1]));
+    const int view = find_view(data, a[0], enc_named_azimuth(options, a[0], a[1]));
     const int light = view >= 0 ? enc_coincident_light(data, view) : -1;
     if (light < 0) {
-        return enc_csv_fail(csv, "(%g,%g) is no view and light of %s", a[0], a[1],
-                            data->source ? data->source : "the data");
+        return enc_csv_fail(csv, "(%g,%g) is not a view of %s that has a light in the same direction", a[0],
+                            a[1], data->source ? data->source : "the data");
     }
     if (data->moved_light[view].index >= 0) {
-        return enc_csv_fail(csv, "(%g,%g) a second time", a[0], a[1]);
+        return enc_csv_fail(csv, "the view (%g,%g) is listed a second time", a[0], a[1]);
     }
     data->moved_light[view] =
-        (enc_moved_light){light, enc_direction_from_angles(a[2], enc_grid_azimuth(options, a[2], a[3]))};
+        (enc_moved_light){light, enc_direction_from_angles(a[2], enc_named_azimuth(options, a[2], a[3]))};
     return BTF_OK;
 }
 

@@ -235,7 +235,7 @@ static btf_result take_row(table_reader *r) {
         return BTF_OK;
     }
     if (r->table->lines[index] > 0) {
-        return enc_csv_fail(&r->csv, "'%.200s' a second time (after line %zu)", name,
+        return enc_csv_fail(&r->csv, "'%.200s' is listed a second time (first in line %zu)", name,
                             r->table->lines[index]);
     }
     r->table->lines[index] = r->csv.text.number;

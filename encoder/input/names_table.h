@@ -26,7 +26,7 @@ void enc_names_table_destroy(enc_names_table **table);
 /* The angles of an image of the source, or NULL. */
 const enc_angles *enc_names_table_angles(const enc_names_table *table, size_t index);
 
-/* How many images of the source it names. */
+/* The number of images of the source that the table names. */
 size_t enc_names_table_count(const enc_names_table *table);
 
 #endif

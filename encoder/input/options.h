@@ -78,7 +78,7 @@
          .value = &(r).components,                                                                         \
          .minimum = 1,                                                                                     \
          .maximum = 65536,                                                                                 \
-         .help = "of each factorisation of a Bonn .btf file at most; default all"},                        \
+         .help = "of a Bonn .btf file: use so many of its factors at most; default all"},                  \
         {.name = "coincident",                                                                             \
          .arg = "TABLE",                                                                                   \
          .type = CLI_STRING,                                                                               \

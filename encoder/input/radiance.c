@@ -1,4 +1,4 @@
-/* From the file of one image to linear radiance. See radiance.h.
+/* Converts the file of one image to linear radiance. See radiance.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -34,7 +34,8 @@ static btf_result settle_area(const enc_context *context, const char *location, 
     r->height = size[1] ? size[1] : r->area.height;
     if (r->width > ENC_MAX_SIDE || r->height > ENC_MAX_SIDE) {
         return enc_fail(context, BTF_ERROR_UNSUPPORTED,
-                        "%s: size %dx%d is not usable: each side is 1 to %d (see --size and --crop)",
+                        "%s: size %dx%d is not usable: each side is 1 to %d (options size and crop make "
+                        "images smaller)",
                         location, r->width, r->height, ENC_MAX_SIDE);
     }
     return BTF_OK;
@@ -94,13 +95,14 @@ static btf_result check_values(const enc_radiance *r, const float *pixels, const
     return BTF_OK;
 }
 
-/* Decodes the part that is used to linear Rec. 709, or the space that --colour names. */
+/* Decodes the part that is used to linear Rec. 709, or the space that the options name. */
 static btf_result decode_area(const enc_radiance *r, enc_image *image, float *pixels, char *message,
                               size_t message_size) {
     double gamma;
     const enc_transfer transfer = transfer_of(r, image, &gamma);
     if (r->options->transfer == ENC_TRANSFER_AUTO && image->info.transfer == IMAGE_TRANSFER_OTHER) {
-        snprintf(message, message_size, "%s cannot be decoded: give the coding of values with --transfer",
+        snprintf(message, message_size,
+                 "%s cannot be decoded: give the coding of values by option transfer",
                  image->info.transfer_name);
         return BTF_ERROR_UNSUPPORTED;
     }
@@ -133,7 +135,9 @@ static btf_result check_image(const enc_radiance *r, const enc_image *image, cha
         return BTF_ERROR_BAD_FILE;
     }
     if (image->xyz && r->options->colour != ENC_COLOUR_XYZ) {
-        snprintf(message, message_size, "the channels are X, Y, Z: use --colour xyz");
+        snprintf(message, message_size,
+                 "the channels are X, Y, Z, not R, G, B: they are read with option --colour xyz (library "
+                 "and Python: primaries xyz)");
         return BTF_ERROR_BAD_FILE;
     }
     return BTF_OK;
@@ -158,8 +162,20 @@ static btf_result make_linear(const enc_radiance *r, enc_image *image, float *pi
     return result;
 }
 
-btf_result enc_radiance_convert(const enc_radiance *r, const void *file, size_t size, float *out,
-                                image_notes *out_notes, char *message, size_t message_size) {
+/* Multiplies all values by a factor and sets those below 0 to 0; returns how many these were. */
+static size_t scale_and_clamp(size_t count, float factor, float *values) {
+    size_t negative = 0;
+    for (size_t i = 0; i < count; i++) {
+        const float value = values[i] * factor;
+        negative += value < 0.0f;
+        values[i] = value > 0.0f ? value : 0.0f;
+    }
+    return negative;
+}
+
+btf_result enc_radiance_convert(const enc_radiance *r, const void *file, size_t size, float light_z,
+                                float *out, size_t *out_negative, image_notes *out_notes, char *message,
+                                size_t message_size) {
     const bool resize = r->width != r->area.width || r->height != r->area.height;
     enc_image image = {0};
     float *own = NULL;
@@ -183,5 +199,9 @@ btf_result enc_radiance_convert(const enc_radiance *r, const void *file, size_t 
         result = enc_resize_area(own, r->area.width, r->area.height, out, r->width, r->height);
     }
     free(own);
+    if (result == BTF_OK) {
+        *out_negative = scale_and_clamp((size_t)r->width * (size_t)r->height * 3,
+                                        r->options->cosine == ENC_COSINE_MISSING ? light_z : 1.0f, out);
+    }
     return result;
 }

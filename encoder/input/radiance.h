@@ -1,4 +1,4 @@
-/* From the file of one image to linear radiance, as the options and the file itself say.
+/* Converts the file of one image to linear radiance, as the options and the file itself say.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -34,12 +34,13 @@ btf_result enc_radiance_settle_first(const enc_context *context, const enc_read_
                                      enc_radiance *out);
 void enc_radiance_clear(enc_radiance *radiance);
 
-/* One file to out[row][column][3] of width x height, linear Rec. 709: transfer, colour, crop, flip and
- * size; values may be below 0 unless options refuse that. *out_notes: what the image says of its pixels.
- * Runs on any thread; does not log: message[message_size] says what failed. Errors: those of
+/* One file to out[row][column][3] of width x height, linear Rec. 709: transfer, colour, crop, flip and size; times light_z,
+ * the z of the light's direction, where options say that values lack that cosine. Values below 0, unless options refuse
+ * them, are set to 0 and counted in *out_negative. *out_notes: what the image says of its pixels. Runs on any thread; does not log: message[message_size] says what failed. Errors: those of
  * enc_image_decode_layer, BTF_ERROR_BAD_FILE (another size than the first image's, a value that is no
  * number), BTF_ERROR_UNSUPPORTED (the coding), BTF_ERROR_MEMORY. */
-btf_result enc_radiance_convert(const enc_radiance *radiance, const void *file, size_t size, float *out,
-                                image_notes *out_notes, char *message, size_t message_size);
+btf_result enc_radiance_convert(const enc_radiance *radiance, const void *file, size_t size, float light_z,
+                                float *out, size_t *out_negative, image_notes *out_notes, char *message,
+                                size_t message_size);
 
 #endif

@@ -38,7 +38,7 @@ typedef struct batch_file {
     size_t size;
     btf_result result;
     char message[MESSAGE_SIZE];
-    uint64_t negative; /* samples below 0 */
+    size_t negative; /* samples below 0 */
     image_notes notes;
 } batch_file;
 
@@ -97,33 +97,28 @@ static btf_result settle_size(reader *r) {
                                      &r->first_file, &r->first_size, &r->radiance);
 }
 
-/* Interleaved linear pixels times `factor` to three planes, negative samples clamped and counted. */
-static void store_planes(const reader *r, const float *pixels, float factor, float *planes,
-                         batch_file *file) {
+/* Interleaved pixels to three planes. */
+static void store_planes(const reader *r, const float *pixels, float *planes) {
     const size_t texels = (size_t)r->radiance.width * (size_t)r->radiance.height;
-    uint64_t negative = 0;
     for (size_t c = 0; c < 3; c++) {
         for (size_t t = 0; t < texels; t++) {
-            const float value = pixels[3 * t + c] * factor;
-            negative += value < 0.0f;
-            planes[c * texels + t] = value > 0.0f ? value : 0.0f;
+            planes[c * texels + t] = pixels[3 * t + c];
         }
     }
-    file->negative = negative;
 }
 
 /* One file from bytes to planes[channel][texel]. Runs on any thread; does not log. */
 static btf_result convert(const reader *r, size_t item, batch_file *file, float *planes) {
-    const enc_direction *light = &r->grid->lights[r->grid->items[item].light];
-    const float factor = r->options->cosine == ENC_COSINE_MISSING ? light->xyz[2] : 1.0f;
+    const float light_z = r->grid->lights[r->grid->items[item].light].xyz[2];
     float *pixels = malloc((size_t)r->radiance.width * (size_t)r->radiance.height * 3 * sizeof *pixels);
     if (!pixels) {
         return BTF_ERROR_MEMORY;
     }
-    const btf_result result = enc_radiance_convert(&r->radiance, file->data, file->size, pixels,
-                                                   &file->notes, file->message, sizeof file->message);
+    const btf_result result =
+        enc_radiance_convert(&r->radiance, file->data, file->size, light_z, pixels, &file->negative,
+                             &file->notes, file->message, sizeof file->message);
     if (result == BTF_OK) {
-        store_planes(r, pixels, factor, planes, file);
+        store_planes(r, pixels, planes);
     }
     free(pixels);
     return result;
@@ -263,7 +258,7 @@ static btf_result scatter(reader *r, size_t first, size_t count) {
     return result;
 }
 
-/* How many images a block holds: whole views where that is possible, so that runs are long. */
+/* The number of images in a block: whole views where that is possible, so that runs are long. */
 static size_t block_size(const reader *r) {
     const size_t image = (size_t)r->radiance.width * (size_t)r->radiance.height * 3 * sizeof(float);
     size_t bytes = BLOCK_BYTES;
@@ -396,7 +391,7 @@ static btf_result read_set(const enc_context *context, const char *input, const 
     btf_result result = BTF_OK;
     if (options->components > 0) {
         result = enc_fail(context, BTF_ERROR_USAGE,
-                          "%s: --components is only for a Bonn .btf file, which this is not", input);
+                          "%s: option components is only for a Bonn .btf file, which this is not", input);
     }
     if (result == BTF_OK) {
         result = enc_read_source(context, input, &r.source);
@@ -425,7 +420,8 @@ static btf_result read_set(const enc_context *context, const char *input, const 
     }
     if (result == BTF_OK && r.negative > 0) {
         enc_log(context, BTF_LOG_WARNING,
-                "%s: %llu samples below 0 in %zu images were set to 0: first in %s (--strict refuses them)",
+                "%s: %llu samples below 0 in %zu images were set to 0: first in %s (option strict refuses "
+                "them)",
                 input, (unsigned long long)r.negative, r.n_negative_files, path_of(&r, r.first_negative));
     }
     if (result == BTF_OK) {
@@ -453,7 +449,7 @@ btf_result enc_read(const enc_context *context, const char *input, const enc_rea
     if (result == BTF_OK) {
         result = options->names && !options->names_of_some && enc_bonn_is(input)
                      ? enc_fail(used, BTF_ERROR_USAGE,
-                                "%s: --names is for images, and this is a Bonn .btf file", input)
+                                "%s: option names is for images, and this is a Bonn .btf file", input)
                  : enc_bonn_is(input) ? enc_read_bonn(used, input, options, out_data)
                                       : read_set(used, input, options, out_data);
     }

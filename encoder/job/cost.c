@@ -8,7 +8,7 @@
 #include "encoder/data/level_filter.h"
 #include "encoder/factor/factor.h"
 #include "encoder/factor/level.h"
-#include "encoder/factor/match_fit.h"
+#include "encoder/factor/match/fit.h"
 #include "encoder/factor/round.h"
 #include "encoder/factor/signal.h"
 #include "encoder/input/bonn_reader.h"

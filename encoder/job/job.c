@@ -242,7 +242,7 @@ static btf_result draw(const enc_context *context, const enc_job *job, job_state
         {.title = "original", .images = enc_data_images(s->data)}};
     btf_result result = BTF_OK;
     if (snprintf(path, sizeof path, "%s/montage.png", job->pictures) >= (int)sizeof path) {
-        result = enc_fail(context, BTF_ERROR_USAGE, "%s: name too long", job->pictures);
+        result = enc_fail(context, BTF_ERROR_USAGE, "%s: the name is too long", job->pictures);
     }
     if (result == BTF_OK) {
         result = enc_sample_decoder_create(context, s->data, &s->stored, &decoder);
@@ -341,8 +341,8 @@ static btf_result check_budget(const enc_context *context, const enc_job *job, c
     return least <= context->memory
                ? BTF_OK
                : enc_fail(context, BTF_ERROR_USAGE,
-                          "--memory %zu is too small: factors of %llu bytes for %dx%d texels, %d views and "
-                          "%d lights take at least %lluK",
+                          "option memory: %zu bytes are too few: factors of %llu bytes for %dx%d texels, "
+                          "%d views and %d lights take at least %lluK",
                           context->memory, (unsigned long long)budget, e->width, e->height, e->n_views,
                           e->n_lights, (unsigned long long)((least + 999) / 1000));
 }

@@ -36,7 +36,7 @@ static const cli_option table[] = {
      .value = &o.method,
      .choices = "joint|paper",
      .help = "joint (default): low-bit factors, colour apart, best quality\n(format version 2);\npaper: "
-             "stage after stage, as printed (format version 1)"},
+             "stage after stage, as published (format version 1)"},
     {.name = "preset",
      .type = CLI_CHOICE,
      .value = &o.preset,
@@ -90,7 +90,7 @@ static const cli_option table[] = {
      .help = "between: the values stored at views and lights are fitted so that\n"
              "blends of three of them come close to a smooth interpolation, as far\n"
              "as that gains between the samples and adds little to the codec's\n"
-             "error at them; samples: they are the samples. Default between; with\n"
+             "error at them; samples: the samples as they are. Default between; with\n"
              "--method paper samples"},
     {.name = "relief",
      .type = CLI_CHOICE,
@@ -283,9 +283,8 @@ const cli_program enc_program = {
         "(# begins a comment). For a list, OUT, the report and the pictures are folders.",
     .details =
         "The tables printed at the end, and the report, measure what the written material decodes to.\n"
-        "A list goes on after an input that fails, ends with a line an input, and with the exit code of "
-        "the\n"
-        "first failure.\n"
+        "A list goes on after an input that fails. At its end come a line for each input, and the exit\n"
+        "code of the first failure.\n"
         "mpirun -n N btf-encode ... splits one encode over N processes, of one machine or of several, "
         "which write\n"
         "the same bytes as one. Each reads its share of the images and leaves it in a scratch file: TMPDIR "
@@ -310,7 +309,7 @@ static btf_result refuse_other(const char *method) {
 /* Effects that --method paper may use, any of them or none. */
 static const uint32_t paper_effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
 
-/* Effects of factors with match (factor/match.h). */
+/* Effects of factors with match (factor/match/match.h). */
 static const uint32_t matched_effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL;
 
 /* Checks effects and the unit of their tolerance, by method. */
@@ -373,7 +372,7 @@ static btf_result settle(void) {
     }
     if (o.metric) {
         return cli_error(&enc_program, BTF_ERROR_USAGE,
-                         "option --metric: is no more; --method joint fits the square root of radiance, as "
+                         "option --metric was removed: --method joint fits the square root of radiance, as "
                          "balanced and srgb did, and --method paper radiance; leave it out");
     }
     job->method = (enc_method)o.method;

@@ -19,7 +19,7 @@ typedef enum enc_method {
 /* As --method takes it. */
 const char *enc_method_name(enc_method method);
 
-/* How much time --method joint spends on the same bytes. */
+/* The time that --method joint spends to be more accurate in the same bytes. */
 typedef enum enc_preset {
     ENC_PRESET_FAST = 0,
     ENC_PRESET_MEDIUM = 1,

@@ -1,4 +1,4 @@
-/* From the Gram matrix of one texel's samples to the normal equations of the fit, colours eliminated.
+/* Makes the normal equations of the fit, colours eliminated, from the Gram matrix of one texel's samples.
  * Internal to the fit.
  *
  * SPDX-License-Identifier: MIT

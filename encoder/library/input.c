@@ -215,25 +215,17 @@ static btf_result read_image(const enc_context *context, const btf_input *input,
                              float *out_rgb) {
     const image_set *set = &input->set;
     const size_t item = set->source_of[(size_t)view * (size_t)input->n_lights + (size_t)light];
-    const size_t values = 3 * (size_t)input->width * (size_t)input->height;
-    const float factor = input->options.cosine == ENC_COSINE_MISSING ? input->lights[3 * light + 2] : 1.0f;
     void *file = NULL;
-    size_t size = 0;
+    size_t size = 0, negative;
     char message[MESSAGE_SIZE] = "";
     image_notes notes = {0};
     btf_result result = set->source->read(set->source, item, &file, &size, message, sizeof message);
     if (result == BTF_OK) {
-        result = enc_radiance_convert(&set->radiance, file, size, out_rgb, &notes, message, sizeof message);
+        result = enc_radiance_convert(&set->radiance, file, size, input->lights[3 * light + 2], out_rgb,
+                                      &negative, &notes, message, sizeof message);
     }
     free(file);
-    if (result != BTF_OK) {
-        return enc_source_fail(context, set->source, item, result, message);
-    }
-    for (size_t i = 0; i < values; i++) {
-        const float value = out_rgb[i] * factor;
-        out_rgb[i] = value > 0.0f ? value : 0.0f;
-    }
-    return BTF_OK;
+    return result == BTF_OK ? BTF_OK : enc_source_fail(context, set->source, item, result, message);
 }
 
 /* One image of samples: all those of a view are gathered together, and kept for the next call. */

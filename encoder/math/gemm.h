@@ -10,6 +10,7 @@
 #define OPENBTF_ENCODER_MATH_GEMM_H
 
 #include <stddef.h>
+#include <stdint.h>
 #ifdef _OPENMP
 #include <omp.h>
 #endif
@@ -50,5 +51,10 @@ static inline size_t enc_thread_index(void) {
 
 /* 64-byte aligned array of floats, not cleared; NULL when out of memory or too large. */
 float *enc_gemm_alloc(size_t count);
+
+/* The first 64-byte aligned address from `at` on, within such an array. */
+static inline float *enc_gemm_aligned(float *at) {
+    return (float *)(((uintptr_t)at + 63) / 64 * 64);
+}
 
 #endif

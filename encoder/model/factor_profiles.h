@@ -13,7 +13,7 @@ typedef struct enc_factor_profiles enc_factor_profiles;
 
 enum { ENC_FACTOR_BLOCK = 48 }; /* texels at a time, at most */
 
-/* Of the first `units` units (at least one); points into the solution. NULL when out of memory. */
+/* Makes the profiles of the first `units` units (at least one), which point into the solution. NULL when out of memory. */
 enc_factor_profiles *enc_factor_profiles_create(const enc_solution *solution, size_t view, uint32_t units);
 void enc_factor_profiles_destroy(enc_factor_profiles **profiles);
 

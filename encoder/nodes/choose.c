@@ -250,7 +250,7 @@ static btf_result judge(const job *j, enc_fit_choice *choice) {
     return result;
 }
 
-/* Of a ladder's steps, those that the directions have: a list without a fit stays barycentric. */
+/* The steps of a ladder that exist for these directions: a list without a fit stays barycentric. */
 static void set_up(job *j) {
     const bool views = j->views.usable[1], lights = j->lights.usable[1];
     for (int k = 1; k < ENC_FIT_CANDIDATES; k++) {

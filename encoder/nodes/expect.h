@@ -42,7 +42,7 @@ typedef struct enc_fit_choice {
     size_t texels;       /* that were drawn */
 } enc_fit_choice;
 
-/* Of a candidate and one of the two codings: means of squares. */
+/* Means of squares for a candidate, in one of the two codings. */
 typedef struct enc_fit_moved {
     double error, fitted; /* with samples left out: of the barycentric blend, of the fit */
     double move, moves;   /* of the fit's move: with samples left out, between the samples */

@@ -26,7 +26,8 @@ struct enc_node_fit {
     double *target; /* B^T R, [count][count], of their spline weights R */
 };
 
-/* Point k of n that spread evenly over the cap about the pole down to z. */
+/* Point k of n that spread evenly over the cap about the pole down to z: a spiral that turns by the golden angle (Swinbank
+ * and Purser 2006). */
 static void cap_point(int k, int n, double z, float out[3]) {
     static const double turn = 2.39996322972865332; /* the golden angle */
     const double height = 1 - (k + 0.5) / n * (1 - z), radius = sqrt(fmax(0, 1 - height * height));
@@ -234,7 +235,7 @@ btf_result enc_node_fit_weights(const enc_node_fit *f, double kappa, float *out)
     return result;
 }
 
-/* By the adjoint, which needs no W: b^T W = y^T (B^T R + l) with (B^T B + l) y = b. */
+/* Blends by the adjoint, which needs no W: b^T W = y^T (B^T R + l) with (B^T B + l) y = b. */
 btf_result enc_node_fit_blend(const enc_node_fit *f, double kappa, size_t n_at, const enc_weights *at,
                               float *out) {
     const size_t n = (size_t)f->count;

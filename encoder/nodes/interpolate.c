@@ -74,7 +74,7 @@ static btf_result make_spline(const enc_context *context, const char *name, cons
         &out->spline);
     if (result == BTF_ERROR_UNSUPPORTED) {
         return enc_fail(context, result,
-                        "%d %s are too few for a spline, or lie in one line: three that do not are needed",
+                        "%d %s are too few for a spline, or lie in one line: a spline needs three that do not",
                         out->count, name);
     }
     return result;

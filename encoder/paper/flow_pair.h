@@ -39,7 +39,8 @@ btf_result enc_flow_worker_create(int width, int height, int padding, int scale,
                                   enc_flow_worker *out_worker);
 void enc_flow_worker_clear(enc_flow_worker *worker);
 
-/* From luminance[texel] >= 0. On failure the image is still to be cleared. Errors: BTF_ERROR_MEMORY. */
+/* Makes an image for the flow from luminance[texel] >= 0. On failure the image is still to be cleared. Errors:
+ * BTF_ERROR_MEMORY. */
 btf_result enc_flow_image_create(int width, int height, const float *luminance, enc_flow_image *out_image);
 void enc_flow_image_clear(enc_flow_image *image);
 

@@ -20,7 +20,7 @@ typedef struct enc_flow_planes {
     float *values;
 } enc_flow_planes;
 
-/* From images[light][texel][3] of one view, as enc_data_view gives them, under the lights
+/* Makes the planes of one view from images[light][texel][3], as enc_data_view gives them, under the lights
  * `chosen`[n_chosen]. A black image becomes zeros. Errors: BTF_ERROR_MEMORY. */
 btf_result enc_flow_planes_create(int width, int height, const float *images, int n_chosen,
                                   const int *chosen, enc_flow_planes *out_planes);

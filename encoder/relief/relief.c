@@ -30,7 +30,7 @@ static const double constant_margin = 0.1; /* dB that a map must gain over the b
 static const double scales[] = {0, 0.25, 0.5, 0.75, 1, 0.5, 0.75, 1};
 enum { FIRST_CONSTANT = 5, DRAWN_IN = 8 };
 
-/* By how much images are halved for the estimate: while they are large and their sides even. */
+/* The number of times that images are halved for the estimate: while they are large and their sides even. */
 static int shift_of(int width, int height) {
     int shift = 0;
     while ((width >> shift) * (height >> shift) > ESTIMATE_TEXELS && (width >> shift) % 2 == 0 &&

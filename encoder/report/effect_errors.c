@@ -95,7 +95,7 @@ static void add_way(job *j, const btf_material_info *info, uint32_t effects, con
 
 /* All subsets of the effects present, but those that leave out relief or gloss: the data that errors are
  * measured against, interpolated between the samples, know nothing of the two, so that each would seem to
- * harm. What relief is worth is in the table of errors between the samples (leave_one_out.h). Of factors every
+ * harm. The table of errors between the samples tells the worth of relief (leave_one_out.h). Of factors every
  * number of units, where there are 16 at most: one evaluation gives them all. Of components, and of more units, all,
  * seven eighths, three quarters, a half, ... an eighth, and the fewest two, in whole groups of four. */
 static void make_variants(job *j, const btf_material_info *info) {
@@ -406,7 +406,7 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
         free(values);
         return result == BTF_ERROR_INTERRUPTED
                    ? result
-                   : enc_fail(context, result, "errors without single effects: %s",
+                   : enc_fail(context, result, "measuring the errors without single effects: %s",
                               btf_result_text(result));
     }
     *out_values = values;

@@ -1,5 +1,5 @@
 /* An estimate of the accuracy between the samples from the samples alone: each view, each light, and both
- * at once, predicted from the others as if it had not been sampled.
+ * at once, predicted from the others as if it had not been sampled (cross-validation; Stone 1974).
  *
  * The others stand twice as far away as the samples around a direction between them do, so errors come out
  * larger than they are there, and all the more where little changes from one sample to the next: relief

@@ -11,7 +11,7 @@
 
 typedef struct enc_left_out_lights enc_left_out_lights;
 
-/* Of the directions of `data`, which must outlive it; share: of the half vector, in quarters. All lights
+/* Makes the lights for the directions of `data`, which must outlive it; share: of the half vector, in quarters. All lights
  * but one are triangulated for each. Errors: those of enc_interpolator_create, BTF_ERROR_MEMORY (not
  * logged). */
 btf_result enc_left_out_lights_create(const enc_context *context, const enc_data *data, uint32_t share,

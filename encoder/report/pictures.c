@@ -42,7 +42,7 @@ static btf_result write_canvas(const enc_context *context, enc_canvas *canvas, b
                                const char *directory, const char *name) {
     char path[4096];
     if (result == BTF_OK && snprintf(path, sizeof path, "%s/%s", directory, name) >= (int)sizeof path) {
-        result = enc_fail(context, BTF_ERROR_USAGE, "%s: name too long", directory);
+        result = enc_fail(context, BTF_ERROR_USAGE, "%s: the name is too long", directory);
     }
     if (result == BTF_OK) {
         result = enc_canvas_write(context, canvas, path);

@@ -170,7 +170,7 @@ part_relief() {
                 cp "$work/relief-$name-$(commit).json" "$at/$name.json"
                 for filter in texel bilinear steep; do
                     [ $relief = auto ] || [ $filter = texel ] || continue # without relief all filters are one
-                    # What is fitted and coded does not depend on gloss, so that leaving it out is a file without it.
+                    # Gloss changes none of the other textures: decoding without it is the same as a file encoded without.
                     for effects in residual,relief residual,relief,gloss; do
                         one=$at/$name-$filter-${effects##*,}.json
                         [ -s "$one" ] || btf-compare "$work/relief-$name-$(commit).btf.exr" "$pairs" --pairs --no-ssim \

@@ -138,7 +138,7 @@ static btf_shader_options way_options(int way) {
     return shader;
 }
 
-/* What each way converges to: of the ways that pick, their blend; of the others themselves. */
+/* Decodes the image that each way converges to: for a way that picks neighbours their blend, for another its own. */
 static btf_result find_named(section *s) {
     btf_result result = BTF_OK;
     for (int w = 0; w < WAYS && result == BTF_OK; w++) {

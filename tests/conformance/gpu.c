@@ -82,6 +82,20 @@ gpu *gpu_create(const context_device *device, char *why, size_t why_size) {
     return g;
 }
 
+gpu *gpu_of_group;
+
+int gpu_group_setup(void **state) {
+    (void)state;
+    gpu_of_group = gpu_create_or_skip(&context_devices[0]);
+    return 0;
+}
+
+int gpu_group_teardown(void **state) {
+    (void)state;
+    gpu_destroy(&gpu_of_group);
+    return 0;
+}
+
 gpu *gpu_create_or_skip(const context_device *device) {
     char why[300];
     context_prepare(device);

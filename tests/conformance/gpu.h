@@ -23,6 +23,13 @@ gpu *gpu_create(const context_device *device, char *why, size_t why_size);
 /* For the set-up of a test: prepares the process for the device and makes it; says why and ends the process
  * as a skipped test where the machine has none. */
 gpu *gpu_create_or_skip(const context_device *device);
+
+/* The set-up and the teardown of a group of tests (cmocka_run_group_tests) on the first device: gpu_create_or_skip and
+ * gpu_destroy of gpu_of_group. */
+extern gpu *gpu_of_group;
+int gpu_group_setup(void **state);
+int gpu_group_teardown(void **state);
+
 void gpu_destroy(gpu **g);
 
 /* The renderer and version that GL names. */

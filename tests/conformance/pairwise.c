@@ -12,7 +12,7 @@ typedef struct coverage {
     uint8_t met[PAIRWISE_FACTORS][PAIRWISE_FACTORS][PAIRWISE_LEVELS][PAIRWISE_LEVELS];
 } coverage;
 
-/* How many pairs a row would add; marks them when `mark`. */
+/* Counts the pairs that a row would add; marks them when `mark`. */
 static int new_pairs(coverage *c, size_t factors, const uint8_t *row, int mark) {
     int count = 0;
     for (size_t f = 0; f < factors; ++f) {
@@ -105,7 +105,8 @@ static uint8_t *met_of(const fourwise *c, const uint8_t *level, size_t f, size_t
     return &c->met[c->first[f][g][h][i] + at];
 }
 
-/* How many fours without a row yet the set factors have, of those with `with` in them if it is a factor; marks them. */
+/* Counts the fours of the set factors that no row has yet, only those with `with` in them if it is a factor; marks them
+ * when `mark`. */
 static int new_fours(const fourwise *c, const partial *row, size_t with, int mark) {
     int count = 0;
     const size_t n = row->count;

@@ -16,8 +16,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static gpu *device;
-
 static void say_error(void *user, btf_log_level level, const char *message) {
     (void)user;
     (void)level;
@@ -33,18 +31,18 @@ static const char bit_casts[] = "#define BTF_HAVE_PRECISE 0\n";
 static uint32_t run_self_test(const char *preamble, const char *text) {
     static const char body[] =
         "uvec4 check(uvec4 a, uvec4 b) { return uvec4(btf_self_test(a.x ^ b.x)); }\n";
-    unsigned program = gpu_program(device, preamble, text, body, &log_errors);
+    unsigned program = gpu_program(gpu_of_group, preamble, text, body, &log_errors);
     assert_int_not_equal(program, 0);
     uint32_t inputs[GPU_INPUTS] = {0}, outputs[GPU_OUTPUTS];
-    assert_int_equal(gpu_run(device, program, 1, inputs, outputs, &log_errors), BTF_OK);
-    gpu_delete_program(device, program);
+    assert_int_equal(gpu_run(gpu_of_group, program, 1, inputs, outputs, &log_errors), BTF_OK);
+    gpu_delete_program(gpu_of_group, program);
     return outputs[0];
 }
 
 static void passes_here(void **state) {
     (void)state;
     uint32_t failures = 99;
-    btf_gl_options options = gpu_gl_options(device, NULL);
+    btf_gl_options options = gpu_gl_options(gpu_of_group, NULL);
     assert_int_equal(btf_gl_self_test(&options, &log_errors, &failures), BTF_OK);
     assert_int_equal(failures, 0);
     assert_int_equal(run_self_test(NULL, btf_shader_self_test()), 0);
@@ -56,7 +54,7 @@ static void finds_missing_protection(void **state) {
     assert_true(run_self_test(unprotected, btf_shader_self_test()) & BTF_SELF_TEST_REASSOCIATION);
 }
 
-/* Devices that break one thing each. (What fused operations give is written down: fma() of GLSL need not
+/* Devices that break one thing each. (Results of fused operations are written as constants, for fma() of GLSL need not
  * fuse.) */
 static void names_what_breaks(void **state) {
     (void)state;
@@ -108,7 +106,7 @@ static uint64_t differences(const char *preamble, uint64_t *out_evaluated) {
     for (int i = 0; i < VARIANTS; ++i) {
         btf_material *material = NULL;
         assert_int_equal(synthetic_create(&list[i].spec, &log_errors, &material), BTF_OK);
-        check_subject s = {.gpu = device,
+        check_subject s = {.gpu = gpu_of_group,
                            .material = material,
                            .shader = &list[i].shader,
                            .preamble = preamble,
@@ -131,21 +129,9 @@ static void decoder_differs_without_protection(void **state) {
     assert_true(different > 0);
 }
 
-static int setup(void **state) {
-    (void)state;
-    device = gpu_create_or_skip(&context_devices[0]);
-    return 0;
-}
-
-static int teardown(void **state) {
-    (void)state;
-    gpu_destroy(&device);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(passes_here), cmocka_unit_test(finds_missing_protection),
         cmocka_unit_test(names_what_breaks), cmocka_unit_test(decoder_differs_without_protection)};
-    return cmocka_run_group_tests_name("protection", tests, setup, teardown);
+    return cmocka_run_group_tests_name("protection", tests, gpu_group_setup, gpu_group_teardown);
 }

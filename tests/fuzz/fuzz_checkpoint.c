@@ -121,7 +121,7 @@ static void bake(const enc_relief_store *store) {
     enc_warp_clear(&surface);
 }
 
-/* What is taken can be said, kept again, and decoded by. */
+/* Relief that is taken from a checkpoint can be put into words, kept again, and used to decode. */
 static void check_relief(void) {
     char reason[ENC_RELIEF_REASON], text[ENC_RELIEF_TEXT];
     enc_relief_choice choice;

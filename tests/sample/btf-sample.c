@@ -259,7 +259,7 @@ static void make_thresholds(int levels, double *out) {
     }
 }
 
-/* How many thresholds lie at or below x: its code. */
+/* The code of x: the number of thresholds at or below it. */
 static int code_of(double x, const double *thresholds, int levels) {
     int low = 0, high = levels - 1;
     while (low < high) {

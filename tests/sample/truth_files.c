@@ -10,7 +10,7 @@
 #include <string.h>
 
 static const char README[] =
-    "What is true of this BTF, by construction. Read with numpy.load.\n"
+    "The truth of this BTF, known by construction. Read with numpy.load.\n"
     "\n"
     "Axes: x along +u (to the right), y along +v (up), z the surface normal; lengths in tiles; z = 0 is "
     "the plane\n"

@@ -367,7 +367,7 @@ def run_test(tree, test):
 
 
 def read_test(ran, lines):
-    """What run_test gives, of a test that runs."""
+    """Reads the output of a running test until it fails or ends, and returns as run_test does."""
     for line in ran.stdout:
         lines.append(line)
         failed = FAILURE.match(line.rstrip('\n'))

@@ -1,5 +1,5 @@
 /* Makes stages of the encoder a second time with every float a double: the build puts this file before the
- * sources of the fit and the flow (-include). What the data hold and what OpenCV takes stay floats, behind
+ * sources of the fit and the flow (-include). The data and the arguments of OpenCV stay floats, behind
  * the functions below; vectorised loops are written anew, plainly, in in_double.c. A source that comes to
  * use another function of floats needs it named here.
  *

@@ -27,7 +27,7 @@ import subprocess
 import sys
 
 README = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'README.md')
-HEAD = """# What the stability tests saw
+HEAD = """# Results of the stability tests
 
 Every hard case and bad input that the tests try, as they printed it: the input, what is expected, what was seen on the
 machine that wrote this page. Made by `tests/stability/table.py write`; each test fails when its section here does

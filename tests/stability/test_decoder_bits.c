@@ -517,7 +517,7 @@ static void largest(void) {
 }
 
 int main(void) {
-    cases_title("What decoder and reference make of every class of bits in a file and of every argument.");
+    cases_title("Every class of bits in a file, and every argument, given to decoder and reference.");
     file_parameters();
     file_scales();
     all_patterns();

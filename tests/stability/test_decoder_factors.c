@@ -291,7 +291,7 @@ static void roots(void) {
 }
 
 int main(void) {
-    cases_title("What the reference makes of factors at their limits, worked out beside it.");
+    cases_title("Factors at their limits, decoded by the reference and worked out beside it.");
     codes_at_bounds();
     lights_alike();
     scales_at_limits();

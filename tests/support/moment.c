@@ -1,20 +1,22 @@
-/* Preloaded into a tool under test: does something to it at a moment that does not depend on time. A signal
- * that comes after seconds meets another stage on a busy machine; the n-th call is the same call
- * everywhere.
+/* Preloaded into a tool under test (LD_PRELOAD): sends a signal or runs a command when the tool makes its n-th call of a
+ * kind, a moment that does not depend on time. A signal sent after so many seconds meets another stage on a busy machine;
+ * the n-th call is the same call everywhere. Set in the environment:
  *
  *     BTF_MOMENT    "N KIND [TEXT]": the N-th of these of the process, from 1:
- *                     call     before it opens a file to write, writes, renames or removes one (not stdout
- * or stderr) open     before it opens a file whose path holds TEXT rename   after it renamed a file to a
- * path that holds TEXT print    after it printed to stderr something that holds TEXT BTF_ACTION    a signal
- * (INT, TERM, KILL), raised in the thread that makes the call, or a command for the shell, which the call
- * waits for; $PPID is the tool there BTF_CALLS     a file that takes the number of calls of kind `call`, at
- * exit
+ *                     call     before it opens a file to write, writes, renames or removes one (not stdout or stderr)
+ *                     open     before it opens a file whose path holds TEXT
+ *                     rename   after it renamed a file to a path that holds TEXT
+ *                     print    after it printed to stderr something that holds TEXT
+ *     BTF_ACTION    a signal (INT, TERM, KILL), raised in the thread that makes the call, or a command for the shell, for
+ *                   which the call waits; $PPID is the tool there
+ *     BTF_CALLS     a file that takes the number of calls of kind `call`, at exit
  *
  * Programs that the tool starts in turn are left alone. tests/tools/common.sh has functions for it.
  *
  * SPDX-License-Identifier: MIT
  */
-/* The calls by their names in the C library, with and without 64: not one for the other. */
+/* Functions are named below as the C library has them, with and without 64 at the end: glibc must not take the one name
+ * for the other. */
 #undef _FILE_OFFSET_BITS
 
 #include <dlfcn.h>

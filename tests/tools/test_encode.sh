@@ -120,10 +120,10 @@ expect "an unknown colour space" 1 btf-encode data -o x.btf.exr --colour cmyk
 expect "joint: a budget" 0 btf-encode data -o joint.btf.exr --preset fast --budget 20k --report joint.json -q
 expect_that "joint: the budget is kept" test "$(json joint.json "r['bytes']['gpu'] <= 20000")" = True
 expect_that "joint: the report lists what was tried" test "$(json joint.json "[t['verdict'] for t in r['trials']]")" = "['best']"
-expect "an option that is no more" 1 btf-encode data -o x.btf.exr --metric linear -q
-expect_text "is refused with what to do" "option --metric: is no more; .* leave it out" err
+expect "an option that was removed" 1 btf-encode data -o x.btf.exr --metric linear -q
+expect_text "is refused with what to do" "option --metric was removed: .* leave it out" err
 expect_that "and not told by --help" test -z "$(btf-encode --help | grep -- --metric)"
-expect "a method that is no more" 1 btf-encode data -o x.btf.exr --method factors -q
+expect "a method that was removed" 1 btf-encode data -o x.btf.exr --method factors -q
 expect_text "is refused with those there are" "is not one of joint.paper" err
 expect "joint: an option of the paper's method" 1 btf-encode data -o x.btf.exr --lobes 2 -q
 expect_text "is refused by name" "option --lobes: for --method paper only" err

@@ -29,7 +29,7 @@ unset PKG_CONFIG_PATH
     printf 'LIB/%s\n' libopenbtf{,_input,_reference}.so{,.0.2,.0.2.0} pkgconfig/openbtf{,-input,-reference}.pc
     printf 'PYTHON/openbtf/%s\n' __init__.py _library.py data.py material.py py.typed
     printf 'share/cmake/openbtf/%s\n' openbtfConfig{,Version}.cmake
-    printf 'share/openbtf/%s\n' FORMAT.md LICENSE README.md openbtf.glsl self_test.glsl \
+    printf 'share/openbtf/%s\n' API.md FORMAT.md INPUTS.md LICENSE README.md SAMPLING.md openbtf.glsl self_test.glsl \
         openbtf_{factors,joint,lists,paper,points,relief,residual,sbrdf}_{texel,bilinear,steep,fast,stochastic}.glsl \
         openbtf_folded_{texel,bilinear,steep,fast}.glsl
 } | sort >documented
@@ -47,6 +47,10 @@ complete() {
     done
     for name in $(grep -ohE '\bopenbtf/[a-z_]+\.h\b' "$prefix"/share/openbtf/* "$prefix"/include/openbtf/*.h); do
         [ -f "$prefix/include/$name" ] || { echo "$name is named, but not installed" && wrong=1; }
+    done
+    for name in $(grep -ohrE '\b[A-Z]+\.md\b' "$prefix"/include/openbtf "$(dirname "$prefix"/lib/python3*/*-packages/openbtf/data.py)" \
+        "$prefix"/share/openbtf/*.glsl --include='*.h' --include='*.py' --include='*.glsl' | sort -u); do
+        [ -f "$prefix/share/openbtf/$name" ] || { echo "$name is named, but not installed" && wrong=1; }
     done
     return $wrong
 }

@@ -53,7 +53,7 @@ expect "a list with a table of names" 0 encode plain/all.txt -o named -q --names
 expect_that "the same bytes as with names" cmp named/three.btf.exr alone.btf.exr
 expect_text "files of the other input are told" "49 files are not among the images of" err
 expect "no table" 3 encode plain/one -o x.btf.exr -q
-expect_text "the option is told" "--names TABLE" err
+expect_text "the option is told" "option names takes a table" err
 
 printf '# nothing\n' >empty.list
 expect "an empty list" 3 encode empty.list -o made

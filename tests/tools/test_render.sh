@@ -214,9 +214,9 @@ printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n' >sky.hdr
 for i in 1 2 3 4 5 6 7 8; do printf '\x80\x80\x80\x82' >>sky.hdr; done
 expect "a Radiance map" 0 render -o e.png --environment sky.hdr --environment-lights 4
 expect "a layer of a map that lacks it" 5 render -o x.png --environment sky.exr --environment-lights 4 --layer diffuse
-expect_text "is refused by name" '--layer diffuse does not name exactly one layer' err
+expect_text "is refused by name" "option layer: 'diffuse' does not name exactly one layer" err
 expect "a layer of a Radiance map" 5 render -o x.png --environment sky.hdr --environment-lights 4 --layer diffuse
-expect_text "is refused by name too" 'sky.hdr: --layer diffuse' err
+expect_text "is refused by name too" "sky.hdr: option --layer: 'diffuse'" err
 
 expect "figure 13" 0 btf-render m.btf.exr -o f13.png --size 60 --figure13 --original data --mesh plane --view 40,0 --quiet
 expect_text "with the full method" '^full: psnr linear [0-9.]+ dB, srgb [0-9.]+ dB' out

@@ -82,8 +82,8 @@ typedef struct btf_plan {
  * looks, and whose mean of relative cost and relative bytes is least. Where view or light lie between the samples and
  * the file says what is lost there (btf_between_errors), that is the full decode's error: the half of it, 3 dB less,
  * since it is of samples left out, at double the gap (BRICKS64: estimated 3.1 to 3.7 dB below what images between the
- * samples show; no file keeps such truth). What a plan adds is measured against the samples and what lies between them
- * interpolated, and taken to be the same there; beside a larger error it shows less. It is a guess: with relief, BRICKS64's
+ * samples show; no file keeps such truth). The error that a plan adds is measured against the samples and against values
+ * interpolated between them, and taken to be the same there; beside a larger error it shows less. It is a guess: with relief, BRICKS64's
  * plans lose two to three times as much against images between the samples (tests/bench/README.md). Where view and light are samples, or the
  * file has no such table, or at coarser levels, the error against those alone counts. Ways of the table of effect errors are compared
  * by their mean over the bands that the ranges meet; a view or light that never changes counts by how

@@ -35,7 +35,7 @@ const char *btf_result_text(btf_result result);
  * them. */
 int btf_result_exit_code(btf_result result);
 
-/** How much a message matters. */
+/** The severity of a message. */
 typedef enum btf_log_level {
     BTF_LOG_ERROR = 0,   /**< the reason for which the call fails */
     BTF_LOG_WARNING = 1, /**< the call goes on, but its result may not be the one wanted */

@@ -218,7 +218,7 @@ class Material:
 
     @property
     def errors(self):
-        """What each set of effects is worth at the samples: rows (effects, dB linear, dB sRGB-coded, bytes)."""
+        """The accuracy of each set of effects at the samples: rows (effects, dB linear, dB sRGB-coded, bytes)."""
         count = c_size_t()
         rows = c.library.btf_material_errors(self._handle.pointer, byref(count))
         return Errors((_names(rows[i].effects), rows[i].psnr_linear, rows[i].psnr_srgb, int(rows[i].gpu_bytes))
@@ -273,22 +273,11 @@ class Material:
         l, v = np.ascontiguousarray(l), np.ascontiguousarray(v)
         levels = None if levels.ndim == 0 and levels == 0 else np.ascontiguousarray(
             np.broadcast_to(levels, shape), np.int32).reshape(count)
-        rgb = np.empty((count, 3), np.float32)
         options = self._evaluate_options(effects, components, interpolation, filter)
-
-        def part(first, end):
-            evaluations = c.Evaluations(sizeof(c.Evaluations), end - first, uv[first:].ctypes.data, None,
-                                        l.ctypes.data if fixed & 2 else l[first:].ctypes.data,
-                                        v.ctypes.data if fixed & 1 else v[first:].ctypes.data,
-                                        None if levels is None else levels[first:].ctypes.data, fixed, 0,
-                                        rgb[first:].ctypes.data)
-            return c.library.btf_evaluate_many(self._evaluator, byref(options), byref(evaluations))
-
-        self._spread(part, count, threads)
-        return rgb.reshape(shape + (3,))
+        return self._evaluate_many(options, count, threads, uv, None, l, v, levels, fixed).reshape(shape + (3,))
 
     def image(self, view, light, level=0, effects=None, components=None, interpolation="linear"):
-        """What the whole material shows: float32 (height, width, 3), row 0 the top. `view` and `light`: the number of a
+        """An image of the whole material: float32 (height, width, 3), row 0 the top. `view` and `light`: the number of a
         sampled direction, or a unit vector."""
         height, width = (max(1, side >> level) for side in self.texels)
         view, light = self._direction(view, self.views, "view"), self._direction(light, self.lights, "light")
@@ -296,16 +285,8 @@ class Material:
         texels[..., 0], texels[..., 1] = np.arange(width), np.arange(height)[:, None]
         texels = texels.reshape(-1, 2)
         levels = np.full(len(texels), level, np.int32)
-        rgb = np.empty((len(texels), 3), np.float32)
         options = self._evaluate_options(effects, components, interpolation, "texel")
-
-        def part(first, end):
-            evaluations = c.Evaluations(sizeof(c.Evaluations), end - first, None, texels[first:].ctypes.data,
-                                        light.ctypes.data, view.ctypes.data, levels[first:].ctypes.data, 3, 0,
-                                        rgb[first:].ctypes.data)
-            return c.library.btf_evaluate_many(self._evaluator, byref(options), byref(evaluations))
-
-        self._spread(part, len(texels), None)
+        rgb = self._evaluate_many(options, len(texels), None, None, texels, light, view, levels, 3)
         return rgb.reshape(height, width, 3)
 
     def _direction(self, value, samples, name):
@@ -323,6 +304,22 @@ class Material:
                 self._evaluator = evaluator
         return c.EvaluateOptions(sizeof(c.EvaluateOptions), _leave_out(effects), _components(components),
                                  _choice(_INTERPOLATIONS, interpolation, "interpolation"), _choice(_FILTERS, filter, "filter"))
+
+    def _evaluate_many(self, options, count, threads, uv, texels, l, v, levels, fixed):
+        """float32 (count, 3) of `count` evaluations. Arrays have a row each, or are None; of l and v those that are fixed
+        (bits 2 and 1) have one row for all."""
+        rgb = np.empty((count, 3), np.float32)
+
+        def part(first, end):
+            def rows(array, one=0):
+                return None if array is None else array.ctypes.data if one else array[first:].ctypes.data
+
+            evaluations = c.Evaluations(sizeof(c.Evaluations), end - first, rows(uv), rows(texels), rows(l, fixed & 2),
+                                        rows(v, fixed & 1), rows(levels), fixed, 0, rows(rgb))
+            return c.library.btf_evaluate_many(self._evaluator, byref(options), byref(evaluations))
+
+        self._spread(part, count, threads)
+        return rgb
 
     @staticmethod
     def _spread(part, count, threads):

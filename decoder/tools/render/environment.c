@@ -196,7 +196,7 @@ btf_result environment_read(const char *path, const char *layer, const btf_log *
     }
     if (size >= 2 && !memcmp(data, "#?", 2) && layer) {
         result = BTF_ERROR_UNSUPPORTED;
-        snprintf(message, sizeof message, "--layer %s: a Radiance map has no layers", layer);
+        snprintf(message, sizeof message, "option --layer: '%s', but a Radiance map has no layers", layer);
     } else if (size >= 2 && !memcmp(data, "#?", 2)) {
         bool xyz = false;
         result = hdr_image_read(data, size, MAX_PIXELS, &width, &height, &xyz, &pixels, &info, message,

@@ -11,7 +11,7 @@
  * one directional light for each, at the centre of its energy (P. Debevec, "A median cut algorithm for
  * light probe sampling", 2005). pixels[row][column][3] is linear radiance; row 0 is up (+y), the middle
  * column is ahead (-z, what the default camera looks at), columns grow to the right (+x). `rotate` turns
- * it, degrees to the right. What is negative or not finite counts as 0. Regions without energy add nothing.
+ * it, degrees to the right. Pixels that are negative or not finite count as 0. Regions without energy add nothing.
  * Errors: BTF_ERROR_MEMORY. */
 btf_result light_list_add_environment(light_list *list, int width, int height, const float *pixels,
                                       int count, double rotate, double gain);

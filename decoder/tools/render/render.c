@@ -1,4 +1,4 @@
-/* From scene to pictures.
+/* Renders a scene to pictures.
  *
  * SPDX-License-Identifier: MIT
  */

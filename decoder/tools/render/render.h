@@ -1,4 +1,4 @@
-/* From scene to pictures: cast a band of the table, shade it under every light, resolve.
+/* Renders a scene to pictures: cast a band of the table, shade it under every light, resolve.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -150,7 +150,7 @@ static vec3 draw_of_map(const sampled_environment *e, uint32_t u1, uint32_t u2) 
     return vec(e->cosine * d.x - e->sine * d.y, e->sine * d.x + e->cosine * d.y, d.z);
 }
 
-/* What comes from a direction of the world. */
+/* The radiance that comes from a direction of the world. */
 static incident look(const sampled_environment *e, vec3 to_light) {
     const vec3 d = vec(e->cosine * to_light.x + e->sine * to_light.y,
                        e->cosine * to_light.y - e->sine * to_light.x, to_light.z);

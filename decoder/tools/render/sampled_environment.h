@@ -1,4 +1,4 @@
-/* Directions drawn of an environment map and of the material, in place of lights that stand for the map.
+/* Directions drawn from an environment map and of the material, in place of lights that stand for the map.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -26,7 +26,7 @@ int sampled_environment_count(const sampled_environment *environment);
 /* Turns the map about z, degrees from +x towards +y, from where it was at first. */
 void sampled_environment_turn(sampled_environment *environment, double degrees);
 
-/* What table_light does, under direction `index` of each sample of rows that begin with first_row: one direction for each
+/* Fills in inputs and weights as table_light does, for direction `index` of each sample of rows that begin with first_row: one direction for each
  * sample, weights[][3] = incident radiance over pi and density. A direction depends on the sample's column and row in the
  * picture and on index alone. */
 void sampled_environment_light(const sampled_environment *environment, const table_scene *scene, int index,

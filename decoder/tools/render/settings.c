@@ -132,7 +132,7 @@ static const cli_option option_table[] = {
      .parse = parse_light,
      .help = "a light far away: direction, intensity, colour; may be given several times\n"
              "(default 40,120 when there is no other light). --light environment: directions\n"
-             "drawn of --environment and of the material, --spp of them a sample, in place of\n"
+             "drawn from --environment and the material, --spp of them a sample, in place of\n"
              "lights that stand for the map; noisy, and right in the mean"},
     {.name = "point",
      .arg = "X,Y,Z[,I[,R,G,B]]",
@@ -330,8 +330,8 @@ const cli_program render_program = {
     .usage = "FILE -o OUT [options]",
     .summary = "Renders a material file (*.btf.exr) on a mesh. Visibility, texture coordinates, light and "
                "view are\n"
-               "ray-cast once on the CPU; the device evaluates the material; lights, averaging and tone "
-               "curve are C.\n"
+               "ray-cast once on the CPU; the device evaluates the material; the CPU adds up lights and\n"
+               "samples and applies the tone curve.\n"
                "With exact math every device gives the same picture, pixel for pixel.",
     .details =
         "World: x to the right, y up, z towards the default camera; angles are theta from +z, phi from +x\n"

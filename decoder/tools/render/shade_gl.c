@@ -369,7 +369,8 @@ static btf_result resize(gl_device *d, int width, int rows, const btf_log *log) 
     d->rows = rows;
     GLenum error = d->gl.GetError();
     if (error != GL_NO_ERROR || d->gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-        file_say(log, "%s: no RGBA32UI framebuffer of %d x %d (error 0x%04x)", d->name, width, rows, error);
+        file_say(log, "%s: GL refuses a framebuffer of %d x %d samples of RGBA32UI (error 0x%04x)", d->name,
+                 width, rows, error);
         return BTF_ERROR_UNSUPPORTED;
     }
     return BTF_OK;

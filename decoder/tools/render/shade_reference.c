@@ -41,7 +41,7 @@ static void destroy(void *self) {
     free(r);
 }
 
-/* What the reference takes in place of the evaluator: of a stochastic decode, and of folds. */
+/* Makes ready the reference decoder, which decodes in place of the library's evaluator where picks are drawn or folded. */
 static void prepare_reference(reference *self, const shader_request *request) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(request->material, &info);
@@ -61,7 +61,7 @@ static void prepare_reference(reference *self, const shader_request *request) {
     }
 }
 
-/* Of all levels; false when out of memory. */
+/* Folds a variant at all levels; false when out of memory. */
 static bool fold(reference *r, const shader_request *request, int variant) {
     const btf_shader_options options = shade_fold_options(request, variant);
     for (int i = 0; i < r->levels && options.fold != BTF_FOLD_NONE; i++) {

@@ -17,7 +17,7 @@ typedef struct shader shader;
 btf_result shader_create(const shader_request *request, const btf_log *log, shader **out_shader);
 void shader_destroy(shader **s);
 
-/* What variant 0 has folded: "light, 5308416 bytes", "light and view, 65536 bytes", "nothing". */
+/* Names what variant 0 has folded, and its bytes: "light, 5308416 bytes", "light and view, 65536 bytes", "nothing". */
 const char *shader_folded(const shader *s);
 
 /* The name of the evaluator: "reference decoder", or GL's renderer and version. */

@@ -65,7 +65,7 @@ enum { TABLE_INPUTS = 9 };
 void table_light(const table_scene *scene, const light *l, size_t count, const table_sample *samples,
                  float *inputs, float *weights);
 
-/* Of one sample: what table_light sets before it knows of a light; all but the direction, which is 0. */
+/* Sets the inputs of one sample that do not depend on the light; its direction is 0. */
 void table_set_sample(const table_sample *sample, float *inputs);
 
 /* A direction of the world in the sample's tangent frame. */

@@ -9,6 +9,8 @@
 #include "drawing_shaders.h"
 #include "history.h"
 #include "light_fold.h"
+#include "mesh_buffers.h"
+#include "original_texture.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,10 +56,9 @@ struct drawing {
     void *user;
     source sources[SOURCES];
     int used; /* the source that is drawn */
-    GLuint array, vertices, triangles, images;
-    uint32_t index_count;
+    mesh_buffers mesh;
     double repeat;
-    int image_columns; /* tiles of the images' layers: one a light */
+    original_texture images;
     bool have_precise;
     bool folds_refused; /* by GL: it was told once, and no other is tried */
     history *history;
@@ -79,8 +80,7 @@ static void forget_material(drawing *d) {
     for (int i = 0; i < SOURCES; i++) {
         forget_source(d, &d->sources[i]);
     }
-    d->gl->DeleteTextures(1, &d->images);
-    d->images = 0;
+    original_texture_clear(d->gl, &d->images);
     d->used = 0;
     if (d->history) {
         history_clear(d->history);
@@ -97,11 +97,7 @@ drawing *drawing_create(const gl_api *gl, btf_gl_get_proc_address get, void *use
     d->get = get;
     d->user = user;
     d->have_precise = gl_api_has(gl, "GL_ARB_gpu_shader5");
-    GLuint buffers[2];
-    gl->GenVertexArrays(1, &d->array);
-    gl->GenBuffers(2, buffers);
-    d->vertices = buffers[0];
-    d->triangles = buffers[1];
+    mesh_buffers_create(gl, &d->mesh);
     return d;
 }
 
@@ -109,71 +105,11 @@ void drawing_destroy(drawing **d) {
     if (!d || !*d) {
         return;
     }
-    const GLuint buffers[2] = {(*d)->vertices, (*d)->triangles};
     forget_material(*d);
     history_destroy(&(*d)->history);
-    (*d)->gl->DeleteBuffers(2, buffers);
+    mesh_buffers_clear((*d)->gl, &(*d)->mesh);
     free(*d);
     *d = NULL;
-}
-
-/* Uploads layer after layer: tiles of W x H, light by light. */
-static btf_result upload_images(drawing *d, const original *images, const btf_log *log) {
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(d->sources[0].material, &info);
-    const gl_api *gl = d->gl;
-    GLint most = 0, most_layers = 0;
-    int columns = 1;
-    while (columns * columns < (int)info.n_lights) {
-        columns++;
-    }
-    const int rows = ((int)info.n_lights + columns - 1) / columns;
-    const int width = columns * (int)info.width, height = rows * (int)info.height;
-    gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
-    gl->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
-    if (width > most || height > most || (int)info.n_views > most_layers) {
-        file_say(log,
-                 "option --original: %d x %d texels in %u layers exceed GL's limits, %d texels a side and "
-                 "%d layers",
-                 width, height, (unsigned)info.n_views, most, most_layers);
-        return BTF_ERROR_UNSUPPORTED;
-    }
-    float *layer = calloc((size_t)width * (size_t)height * 3, sizeof *layer);
-    if (!layer) {
-        file_say(log, "out of memory for the images of a view");
-        return BTF_ERROR_MEMORY;
-    }
-    gl->ActiveTexture(GL_TEXTURE0 + UNIT_IMAGES);
-    gl->GenTextures(1, &d->images);
-    gl->BindTexture(GL_TEXTURE_2D_ARRAY, d->images);
-    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    gl->TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGB9_E5, width, height, (GLsizei)info.n_views, 0, GL_RGB,
-                   GL_FLOAT, NULL);
-    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    const size_t lights = info.n_lights, texels = (size_t)info.width * info.height;
-    for (uint32_t v = 0; v < info.n_views; v++) {
-        for (size_t i = 0; i < texels * lights; i++) {
-            const size_t texel = i / lights, light = i % lights;
-            const size_t x = light % (size_t)columns * info.width + texel % info.width;
-            const size_t y = light / (size_t)columns * info.height + texel / info.width;
-            const float *samples =
-                original_samples(images) + ((texel * info.n_views + v) * 3) * lights + light;
-            for (size_t c = 0; c < 3; c++) {
-                layer[3 * (y * (size_t)width + x) + c] = samples[c * lights];
-            }
-        }
-        gl->TexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, (GLint)v, width, height, 1, GL_RGB, GL_FLOAT,
-                          layer);
-    }
-    free(layer);
-    d->image_columns = columns;
-    GLenum error = gl->GetError();
-    if (error != GL_NO_ERROR) {
-        file_say(log, "option --original: GL error 0x%04x while its images were uploaded", error);
-        return error == GL_OUT_OF_MEMORY ? BTF_ERROR_MEMORY : BTF_ERROR_INTERNAL;
-    }
-    return BTF_OK;
 }
 
 /* Uploads the textures of a source that was not drawn before. */
@@ -206,7 +142,7 @@ btf_result drawing_set_material(drawing *d, const btf_material *material, const 
     d->sources[0].material = material;
     btf_result result = planned ? BTF_OK : upload(d, &d->sources[0], log);
     if (!result && images) {
-        result = upload_images(d, images, log);
+        result = original_texture_create(d->gl, UNIT_IMAGES, material, images, log, &d->images);
     }
     if (result) {
         forget_material(d);
@@ -247,36 +183,12 @@ size_t drawing_bytes(const drawing *d) {
 }
 
 btf_result drawing_set_mesh(drawing *d, const mesh *m, double repeat, const btf_log *log) {
-    const gl_api *gl = d->gl;
-    static const struct {
-        GLint count;
-        size_t offset;
-    } attributes[4] = {{3, offsetof(mesh_vertex, position)},
-                       {3, offsetof(mesh_vertex, normal)},
-                       {2, offsetof(mesh_vertex, uv)},
-                       {4, offsetof(mesh_vertex, tangent)}};
-    gl->BindVertexArray(d->array);
-    gl->BindBuffer(GL_ARRAY_BUFFER, d->vertices);
-    gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(m->vertex_count * sizeof *m->vertices), m->vertices,
-                   GL_STATIC_DRAW);
-    gl->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, d->triangles);
-    gl->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(3 * sizeof *m->triangles * m->triangle_count),
-                   m->triangles, GL_STATIC_DRAW);
-    for (GLuint i = 0; i < 4; i++) {
-        gl->EnableVertexAttribArray(i);
-        gl->VertexAttribPointer(i, attributes[i].count, GL_FLOAT, GL_FALSE, sizeof(mesh_vertex),
-                                (const void *)(uintptr_t)attributes[i].offset);
-    }
-    d->index_count = 3 * m->triangle_count;
+    const btf_result result = mesh_buffers_set(d->gl, &d->mesh, m, log);
     d->repeat = repeat;
     if (d->history) {
         history_clear(d->history);
     }
-    if (gl->GetError() == GL_NO_ERROR) {
-        return BTF_OK;
-    }
-    file_say(log, "the mesh does not fit into GL's memory");
-    return BTF_ERROR_MEMORY;
+    return result;
 }
 
 static bool same_variant(const variant *a, const variant *b) {
@@ -433,9 +345,9 @@ static btf_result draw_side(drawing *d, int used, const view_state *s, const var
     vec_store(vec_from_angles(s->light_theta, s->light_phi), light);
     gl->UseProgram(name);
     gl->ActiveTexture(GL_TEXTURE0 + UNIT_IMAGES);
-    gl->BindTexture(GL_TEXTURE_2D_ARRAY, d->images);
+    gl->BindTexture(GL_TEXTURE_2D_ARRAY, d->images.name);
     gl->Uniform1i(gl->GetUniformLocation(name, "view_images"), UNIT_IMAGES);
-    gl->Uniform1i(gl->GetUniformLocation(name, "view_columns"), d->image_columns);
+    gl->Uniform1i(gl->GetUniformLocation(name, "view_columns"), d->images.columns);
     gl->UniformMatrix4fv(gl->GetUniformLocation(name, "view_to_clip"), 1, GL_FALSE, matrix);
     gl->Uniform3f(gl->GetUniformLocation(name, "eye"), eye[0], eye[1], eye[2]);
     gl->Uniform3f(gl->GetUniformLocation(name, "light"), light[0], light[1], light[2]);
@@ -448,8 +360,7 @@ static btf_result draw_side(drawing *d, int used, const view_state *s, const var
         gl->Uniform1f(gl->GetUniformLocation(name, "view_share"), 1.0f / (float)(samples + 1));
     }
     gl->Uniform1f(gl->GetUniformLocation(name, "repeat"), (float)d->repeat);
-    gl->BindVertexArray(d->array);
-    gl->DrawElements(GL_TRIANGLES, (GLsizei)d->index_count, GL_UNSIGNED_INT, NULL);
+    mesh_buffers_draw(gl, &d->mesh);
     return gl->GetError() == GL_NO_ERROR ? BTF_OK : BTF_ERROR_INTERNAL;
 }
 
@@ -552,7 +463,7 @@ btf_result drawing_draw(drawing *d, const view_state *s, int width, int height, 
     const variant left = variant_of(s);
     variant right = left;
     right.stochastic = false;
-    right.images = s->split == VIEW_SPLIT_ORIGINAL && d->images;
+    right.images = s->split == VIEW_SPLIT_ORIGINAL && d->images.name;
     right.effects = 0;
     right.folded = false;
     gl->Enable(GL_DEPTH_TEST);

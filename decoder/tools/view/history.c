@@ -106,7 +106,8 @@ static btf_result resize(history *h, int width, int height, int unit, const btf_
         if (gl->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
             gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
             h->width = 0;
-            file_say(log, "no RGBA32F framebuffer of %d x %d for a history", width, height);
+            file_say(log, "GL refuses a framebuffer of %d x %d pixels of RGBA32F for the mean of frames",
+                     width, height);
             return BTF_ERROR_UNSUPPORTED;
         }
     }

@@ -7,7 +7,7 @@
 #include "decoder/tools/render/plan_range.h"
 #include <string.h>
 
-static const float ring = 7.5f, slack = 2;
+static const float ring = 7.5f, slack = 2; /* degrees, see planner.h */
 
 planner planner_begin(void) {
     return (planner){.current = -1, .pending = -1};
@@ -38,12 +38,13 @@ static bool same_scene(const btf_scene *a, const btf_scene *b) {
     return same_range(&a->view, &b->view) && same_range(&a->light, &b->light) && a->pixels == b->pixels;
 }
 
+/* Whether a plan for `scene` can draw all of `needed`, in a range that is wider by `more` degrees. */
 static bool holds(const btf_scene *scene, const btf_scene *needed, float more) {
     return scene->pixels >= needed->pixels && plan_range_covers(&scene->view, &needed->view, more) &&
            plan_range_covers(&scene->light, &needed->light, more);
 }
 
-/* Wider than what would be planned now by more than a ring, or finer. */
+/* Whether a plan for `scene` is wider, by more than a ring, or finer than the one that would be made now. */
 static bool is_wasteful(const btf_scene *scene, const btf_scene *rings) {
     const btf_range view = plan_range_widen(&rings->view, ring),
                     light = plan_range_widen(&rings->light, ring);
@@ -51,6 +52,7 @@ static bool is_wasteful(const btf_scene *scene, const btf_scene *rings) {
            !(scene->light.fixed || plan_range_covers(&light, &scene->light, 0));
 }
 
+/* The slot with the plan for just this scene; -1: none. */
 static int find(const planner *p, const btf_scene *scene) {
     for (int i = 0; i < PLANNER_SLOTS; i++) {
         if (p->slot[i].material && i != p->pending && same_scene(&p->slot[i].plan.scene, scene)) {
@@ -71,6 +73,7 @@ static int oldest(const planner *p) {
     return slot;
 }
 
+/* Takes the plan for this scene from its slot, or sets it pending to be made. */
 static planner_action want(planner *p, const btf_scene *scene) {
     const int there = find(p, scene);
     if (there >= 0) {
@@ -94,7 +97,7 @@ planner_action planner_decide(planner *p, const btf_scene *needed, bool at_rest,
     const btf_scene rings = planner_rings(needed);
     const btf_scene *now = p->current >= 0 ? &p->slot[p->current].plan.scene : NULL;
     if (!now || !holds(now, needed, slack)) {
-        /* Rather one that is there than a new one. */
+        /* a plan that is there and holds it, too, costs nothing */
         for (int i = 0; i < PLANNER_SLOTS; i++) {
             if (p->slot[i].material && !p->slot[i].plan.scene.light.fixed &&
                 holds(&p->slot[i].plan.scene, needed, slack)) {

@@ -1,4 +1,4 @@
-/* btf-view: pictures and the text over them.
+/* btf-view: draws the picture and the text over it, times it, saves it.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,7 +20,7 @@ static uint32_t effects_in_use(const viewer *v) {
     return v->state.effects & info.effects;
 }
 
-/* Draws the model and measures it. */
+/* Draws the model and measures how long that takes. */
 static btf_result draw_model(viewer *v, const view_state *s, double *out_ms) {
     int width, height;
     viewer_frame_size(v, &width, &height);
@@ -32,7 +32,7 @@ static btf_result draw_model(viewer *v, const view_state *s, double *out_ms) {
     return result;
 }
 
-/* Which levels of detail are shown, and where relief, if it is on, ends before the last. */
+/* Says which levels of detail are shown and, where relief is on but ends before the last of them, at which one. */
 static void levels_text(const viewer *v, char *text, size_t size) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(v->material, &info);
@@ -48,6 +48,7 @@ static void levels_text(const viewer *v, char *text, size_t size) {
     }
 }
 
+/* The text in the corner: the material and how it is decoded, time and accuracy, and the last message. */
 static void panel_text(const viewer *v, char *text, size_t size) {
     char list[800] = "", quality[80] = "not in the file", words[48], levels[40], picks[60] = "";
     if (!v->material) {
@@ -76,11 +77,11 @@ static void panel_text(const viewer *v, char *text, size_t size) {
              filter_name(v->state.filter), v->state.math == BTF_MATH_FAST ? "fast" : "exact", levels, picks,
              v->state.exposure, v->frame_ms, 1e3 / (v->frame_ms > 0.01 ? v->frame_ms : 0.01), quality,
              cli_effects_text(v->state.effects, words),
-             view_options.plan == 0 ? "what the plan makes of them" : "time and PSNR of each", list,
+             view_options.plan == 0 ? "as the plan decodes them" : "time and PSNR of each", list,
              view_split_name(v->state.split), v->message[0] ? v->message : "H: help");
 }
 
-/* Letters of twice the size on large windows. */
+/* Draws the panel and the help over the picture, in letters of twice the size on large windows. */
 static void draw_overlays(viewer *v) {
     char text[1800];
     int width, height, w, h;
@@ -108,7 +109,7 @@ btf_result viewer_draw_frame(viewer *v) {
     return BTF_OK;
 }
 
-/* Times the effects as they are, then with each one changed: the median of five frames each. */
+/* Times frames with the effects as they are, then with each of them switched: the median of five frames counts. */
 btf_result viewer_measure(viewer *v) {
     if (!v->material) {
         return BTF_OK;
@@ -125,7 +126,7 @@ btf_result viewer_measure(viewer *v) {
             continue;
         }
         s.effects = effects_in_use(v) ^ change;
-        for (int k = 0; k < 6; k++) { /* the first compiles */
+        for (int k = 0; k < 6; k++) { /* in the first frame shaders are compiled: it does not count */
             btf_result result = draw_model(v, &s, &ms[k]);
             if (result) {
                 return result;

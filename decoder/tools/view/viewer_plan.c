@@ -90,7 +90,8 @@ static btf_result note_movement(viewer *v) {
     return find_needed_scene(v, size[0], size[1]);
 }
 
-/* Of a light that is folded a texture holds all that it shows, or the shader its neighbours, but with gloss. */
+/* Says how far the light of the plan is folded: into a texture that holds all that it shows; else its neighbours are
+ * constants of the shader, unless gloss looks lights up by the view. */
 static const char *light_words(const viewer *v, const btf_plan *plan) {
     if (!plan->scene.light.fixed) {
         return " free";

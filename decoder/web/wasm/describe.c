@@ -57,6 +57,12 @@ static void numbers(json *j, const btf_material_info *info) {
     json_integer(j, "glossShare", info->gloss_share);
 }
 
+static void figures(json *j, float psnr_linear, float psnr_srgb, float gpu_bytes) {
+    json_float(j, "psnrLinear", psnr_linear);
+    json_float(j, "psnrSrgb", psnr_srgb);
+    json_float(j, "gpuBytes", gpu_bytes);
+}
+
 static void errors(json *j, const btf_material *material) {
     size_t count;
     const btf_material_error *error = btf_material_errors(material, &count);
@@ -64,9 +70,7 @@ static void errors(json *j, const btf_material *material) {
     for (size_t i = 0; error && i < count; i++) {
         json_object(j, NULL);
         effects(j, "effects", error[i].effects);
-        json_float(j, "psnrLinear", error[i].psnr_linear);
-        json_float(j, "psnrSrgb", error[i].psnr_srgb);
-        json_float(j, "gpuBytes", error[i].gpu_bytes);
+        figures(j, error[i].psnr_linear, error[i].psnr_srgb, error[i].gpu_bytes);
         json_end(j);
     }
     json_end(j);
@@ -75,9 +79,7 @@ static void errors(json *j, const btf_material *material) {
     for (size_t i = 0; level && i < count; i++) {
         json_object(j, NULL);
         json_integer(j, "level", level[i].level);
-        json_float(j, "psnrLinear", level[i].psnr_linear);
-        json_float(j, "psnrSrgb", level[i].psnr_srgb);
-        json_float(j, "gpuBytes", level[i].gpu_bytes);
+        figures(j, level[i].psnr_linear, level[i].psnr_srgb, level[i].gpu_bytes);
         json_end(j);
     }
     json_end(j);

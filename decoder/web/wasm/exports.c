@@ -299,7 +299,7 @@ BTF_WEB_EXPORT(btf_web_to_tight) btf_web_material *btf_web_to_tight(const btf_we
     return wrap(result, out);
 }
 
-/* By the reference decoder, one evaluation after the other. */
+/* Evaluates by the reference decoder, one evaluation after the other. */
 static void evaluate_reference(const btf_material *material, const btf_web_options *options,
                                const btf_web_evaluations *e) {
     btf_material_info info = {.struct_size = sizeof info};
@@ -325,7 +325,7 @@ static void evaluate_reference(const btf_material *material, const btf_web_optio
     }
 }
 
-/* By the library. One level for all is a table of levels of one entry each. */
+/* Evaluates by the library. One level for all is a table of levels of one entry each. */
 static btf_result evaluate_many(btf_web_material *material, const btf_web_options *options,
                                 const btf_web_evaluations *e) {
     if (!material->evaluator) {

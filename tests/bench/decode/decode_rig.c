@@ -54,7 +54,7 @@ void rig_sphere_pixel(int i, float out[8]) {
     out[4] = fmaxf(out[4], 0.05f);
 }
 
-/* How many records a look-up tries, and which texel of the table the first is. */
+/* Returns the number of records that a look-up tries, and tells the texel of the table with the first of them. */
 static uint32_t records_tried(const uint16_t *table, uint32_t grid, const int32_t q[2],
                               uint32_t *out_first) {
     uint32_t cx = ((uint32_t)(q[0] < 16383 ? q[0] : 16383) * grid) >> 14,

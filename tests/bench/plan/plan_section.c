@@ -114,7 +114,7 @@ static btf_result find(const bench_run *run, decode_rig *rig, const plan_scene *
     return result;
 }
 
-/* What a plan leaves out of the material, and how it decodes the rest: "gain, 6 of 12 units, 62 views; light folded". */
+/* Writes in words which parts of the material a plan leaves out, and how it decodes the rest: "gain, 6 of 12 units, 62 views; light folded". */
 static void tell_left_out(const btf_material *material, const found *f, char *out, size_t size) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);

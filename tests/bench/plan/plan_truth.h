@@ -1,4 +1,4 @@
-/* What a plan loses between the samples, against images that are true there.
+/* Measures the accuracy that a plan loses between the samples, against images that are true there.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -46,7 +46,7 @@ uint32_t check_fold_left_out(btf_fold kind) {
     return kind == BTF_FOLD_LIGHT ? BTF_EFFECT_GLOSS : kind == BTF_FOLD_BOTH ? BTF_EFFECT_RELIEF : 0;
 }
 
-/* What is folded. The second of BTF_FOLD_BOTH is a sum of several lights where sums is not NULL. */
+/* The directions that are folded. The second of BTF_FOLD_BOTH is a sum of several lights where sums is not NULL. */
 typedef struct folding {
     float directions[LIGHTS][2][3]; /* light, view */
     float lights[SUMMED][3], weights[SUMMED][3];

@@ -15,24 +15,15 @@ static void hear(void *user, btf_log_level level, const char *message) {
 }
 const btf_log folds_log = {hear, NULL};
 
-const synthetic_spec folds_of_roots = {.seed = 31,
-                                       .width = 13,
-                                       .height = 7,
-                                       .n_views = 9,
-                                       .n_lights = 11,
-                                       .layout = BTF_LAYOUT_TIGHT,
-                                       .domain = BTF_DOMAIN_SQRT,
-                                       .colour = BTF_COLOUR_NONE,
-                                       .effects =
-                                           BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS,
-                                       .components = 2,
-                                       .directions = SYNTHETIC_RANDOM,
-                                       .levels = 3,
-                                       .classes = {{0}, {0}, {2, 1, 0}},
-                                       .blend = BTF_BLEND_ROOTS,
-                                       .horizon_scale = 4,
-                                       .relief = SYNTHETIC_GENTLE,
-                                       .gloss_share = 1};
+const synthetic_spec folds_of_roots = {
+    FOLDS_ROOTS,
+    .seed = 31,
+    .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS,
+    .components = 2,
+    .classes = {{0}, {0}, {2, 1, 0}},
+    .relief = SYNTHETIC_GENTLE,
+    .gloss_share = 1,
+};
 
 uint32_t folds_layers(const btf_ref_material *m, int fold) {
     return fold == BTF_REF_FOLD_LIGHT ? m->n_views : fold == BTF_REF_FOLD_NEIGHBOURS ? 3 : 1;

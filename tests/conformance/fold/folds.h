@@ -12,7 +12,13 @@
 extern const btf_log folds_log;
 extern char folds_said[400];
 
-/* A small material of factors, roots, relief, gloss and three levels. */
+/* What small materials of factors, roots and three levels have in common, members of synthetic_spec. */
+#define FOLDS_ROOTS                                                                                        \
+    .width = 13, .height = 7, .n_views = 9, .n_lights = 11, .layout = BTF_LAYOUT_TIGHT,                    \
+    .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_NONE, .directions = SYNTHETIC_RANDOM, .levels = 3,     \
+    .blend = BTF_BLEND_ROOTS, .horizon_scale = 4
+
+/* One of them, of two units, with relief and gloss. */
 extern const synthetic_spec folds_of_roots;
 
 /* Layers of a fold (btf_fold, BTF_REF_FOLD_...) of one light. */

@@ -16,8 +16,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static gpu *device;
-
 static btf_material *make(const synthetic_spec *spec) {
     btf_material *material = NULL;
     assert_int_equal(synthetic_create(spec, &folds_log, &material), BTF_OK);
@@ -29,7 +27,7 @@ static void wrong_calls_are_refused(void **state) {
     btf_material *material = make(&folds_of_roots);
     btf_shader_options shader = {.struct_size = sizeof shader,
                                  .leave_out = BTF_EFFECT_ALL & ~BTF_EFFECT_RESIDUAL};
-    btf_gl_options options = gpu_gl_options(device, &shader);
+    btf_gl_options options = gpu_gl_options(gpu_of_group, &shader);
     const float top[3] = {0, 0, 1};
     btf_gl_fold *fold = NULL;
     btf_gl *all = NULL, *few = NULL;
@@ -74,12 +72,12 @@ static void state_is_left_alone(void **state) {
         GL_ACTIVE_TEXTURE, GL_READ_FRAMEBUFFER_BINDING, GL_DEPTH_TEST};
     enum { NAMES = sizeof names / sizeof *names, MOST = 13 * 7 * 9 };
     static uint32_t kept[MOST][4];
-    const gl_api *api = gpu_api(device);
+    const gl_api *api = gpu_api(gpu_of_group);
     const float light[3] = {0.6f, 0, 0.8f};
     btf_material *material = make(&folds_of_roots);
     btf_shader_options shader = {
         .struct_size = sizeof shader, .leave_out = BTF_EFFECT_GLOSS, .fold = BTF_FOLD_LIGHT};
-    btf_gl_options options = gpu_gl_options(device, NULL);
+    btf_gl_options options = gpu_gl_options(gpu_of_group, NULL);
     btf_gl_fold *fold = NULL;
     btf_gl *textures = NULL;
     GLint before[NAMES][4] = {{0}}, after[NAMES][4] = {{0}};
@@ -127,9 +125,9 @@ static void gl_and_cpu_fold_the_same(void **state) {
     static uint32_t drawn[MOST];
     static const float light[LIGHTS][3] = {{0.6f, 0, 0.8f}, {-0.28f, 0, 0.96f}},
                        view[LIGHTS][3] = {{0, 0.6f, 0.8f}, {0, 0, 1}};
-    const gl_api *api = gpu_api(device);
+    const gl_api *api = gpu_api(gpu_of_group);
     btf_material *material = make(&folds_of_roots);
-    btf_gl_options options = gpu_gl_options(device, NULL);
+    btf_gl_options options = gpu_gl_options(gpu_of_group, NULL);
     btf_gl *textures = NULL;
     assert_int_equal(btf_gl_upload(material, &options, &folds_log, &textures), BTF_OK);
     for (int kind = BTF_FOLD_LIGHT; kind <= BTF_FOLD_NEIGHBOURS; ++kind) {
@@ -178,12 +176,12 @@ static void gl_and_cpu_add_the_same(void **state) {
     static const float light[LIGHTS][3] = {{0.6f, 0, 0.8f}, {-0.28f, 0, 0.96f}, {0, 0, 1}},
                        view[LIGHTS][3] = {{0, 0.6f, 0.8f}, {0, 0.6f, 0.8f}, {0, 0.6f, 0.8f}},
                        weight[LIGHTS][3] = {{0.5f, 1, 2}, {3, 0.25f, 0.125f}, {0.7f, 0, 1.3f}};
-    const gl_api *api = gpu_api(device);
+    const gl_api *api = gpu_api(gpu_of_group);
     btf_material *material = make(&folds_of_roots);
     const btf_shader_options shader = {.struct_size = sizeof shader,
                                        .leave_out = check_fold_left_out(BTF_FOLD_BOTH),
                                        .fold = BTF_FOLD_BOTH};
-    btf_gl_options options = gpu_gl_options(device, NULL);
+    btf_gl_options options = gpu_gl_options(gpu_of_group, NULL);
     btf_gl *textures = NULL;
     btf_gl_fold *fold = NULL;
     uint32_t *texels = NULL;
@@ -253,23 +251,11 @@ static void wrong_rows_are_refused(void **state) {
     btf_material_close(&material);
 }
 
-static int setup(void **state) {
-    (void)state;
-    device = gpu_create_or_skip(&context_devices[0]);
-    return 0;
-}
-
-static int teardown(void **state) {
-    (void)state;
-    gpu_destroy(&device);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wrong_calls_are_refused),  cmocka_unit_test(state_is_left_alone),
         cmocka_unit_test(gl_and_cpu_fold_the_same), cmocka_unit_test(gl_and_cpu_add_the_same),
         cmocka_unit_test(wrong_rows_are_refused),
     };
-    return cmocka_run_group_tests_name("fold-gl", tests, setup, teardown);
+    return cmocka_run_group_tests_name("fold-gl", tests, gpu_group_setup, gpu_group_teardown);
 }

@@ -186,17 +186,17 @@ def reciprocal(x):
 # --- directions (section 6) -------------------------------------------------------------------------------------
 
 def cross(p, q):
-    """Of integer vectors."""
+    """The cross product of integer vectors."""
     return p[0] * q[1] - p[1] * q[0]
 
 
 def minus(p, q):
-    """Of integer vectors."""
+    """The difference of integer vectors."""
     return (p[0] - q[0], p[1] - q[1])
 
 
 def dot(p, q):
-    """Of integer vectors."""
+    """The inner product of integer vectors."""
     return p[0] * q[0] + p[1] * q[1]
 
 
@@ -279,7 +279,7 @@ def slope(direction):
 
 
 def shared_light(light, view, sampled, share):
-    """What is looked up in place of a light for a sampled view, and its k: None where it is the light."""
+    """The direction looked up in place of a light for a sampled view, and its k: None where it is the light itself."""
     d = [add(a, -v) for a, v in zip(sampled, view)]
     if all(abs(c) < 2.0 ** -24 for c in d):
         return light, None

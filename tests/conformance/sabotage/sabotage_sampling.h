@@ -11,7 +11,7 @@ static const char sampling_begin[] = "float btf_unit(uint random)";
 static const sabotage_of list_5[] = {
     {{"another shift of the third number", "", "h >> 16u ^ h", "h >> 15u ^ h"}, DRAWN},
     {{"wholes of 25 bits", "", "drop >= 16777216u", "drop >= 33554432u"}, DRAWN},
-    {{"shares up to a half", "", "0x3F7FFFFFu", "0x3F000000u"}, DRAWN},
+    {{"shares up to a half", "", "uintBitsToFloat(BTF_BITS_BEFORE_1)", "0.5"}, DRAWN},
     {{"a coefficient of the sine", "", "0xBB996966u", "0xBB996066u"}, DRAWN},
     {{"a coefficient of the cosine", "", "0xBCAAE9E4u", "0xBCAAE0E4u"}, DRAWN},
     {{"quarters turned the wrong way", "", "quarter == 2 ? -sine", "quarter == 2 ? sine"}, DRAWN},

@@ -32,11 +32,41 @@ char *tamper_text(const char *text, size_t start, size_t most, const char *from,
     return made;
 }
 
-int tamper_missed(const char *name, int found, uint64_t different) {
-    if (!found) {
-        fprintf(stderr, "sabotage \"%s\": its text is not in the decoder\n", name);
-    } else if (different == 0) {
-        fprintf(stderr, "sabotage \"%s\" is not caught\n", name);
+static struct {
+    const char *name, *from, *to;
+    size_t most;
+    char *changed;
+    int found;
+} test;
+
+void tamper_begin(const char *name, const char *from, const char *to, size_t most) {
+    test.name = name;
+    test.from = from;
+    test.to = to;
+    test.most = most;
+    test.found = 0;
+}
+
+const char *tamper_apply(const char *text, size_t start) {
+    char *made = test.name ? tamper_text(text, start, test.most, test.from, test.to) : NULL;
+    if (!made) {
+        return text;
     }
-    return !found || different == 0;
+    free(test.changed);
+    test.changed = made;
+    test.found = 1;
+    return made;
+}
+
+int tamper_end(uint64_t different) {
+    const char *reason = !test.found      ? "its text is not in the decoder"
+                         : different == 0 ? "it is not noticed"
+                                          : NULL;
+    if (reason) {
+        fprintf(stderr, "sabotage \"%s\": %s\n", test.name, reason);
+    }
+    free(test.changed);
+    test.changed = NULL;
+    test.name = NULL;
+    return reason != NULL;
 }

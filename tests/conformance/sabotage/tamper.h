@@ -12,7 +12,16 @@
  * it. NULL where there is no such place, or memory is short. */
 char *tamper_text(const char *text, size_t start, size_t most, const char *from, const char *to);
 
-/* Whether a change went unnoticed, 1 or 0, and on stderr why: its words were not `found`, or nothing was `different`. */
-int tamper_missed(const char *name, int found, uint64_t different);
+/* Begins a test of whether a change is noticed, one at a time: `from` becomes `to` in the first `most` places of a text. The
+ * strings must outlive it. */
+void tamper_begin(const char *name, const char *from, const char *to, size_t most);
+
+/* The text with the change made at byte `start` or behind it, valid until the next call; the text itself where the words
+ * are not there, and where no test was begun. */
+const char *tamper_apply(const char *text, size_t start);
+
+/* Ends the test: 1 where the change went unnoticed, with the reason on stderr (no text held its words, or nothing was
+ * `different`), else 0. */
+int tamper_end(uint64_t different);
 
 #endif

@@ -23,8 +23,6 @@
 
 enum { ELEMENTS = 256, UNIT_FOLDED = 31 };
 
-static gpu *device;
-
 /* Fetches and their bytes; heights; look-ups; moves and points. */
 static const char preamble[] =
     "uvec2 seen_fetches = uvec2(0u);\n"
@@ -86,12 +84,12 @@ static char *counting_text(const btf_material *material, const btf_shader_option
 /* The most of each count over pixels, since a neighbour may weigh nothing and is passed over then. */
 static btf_decode_counts run(const btf_material *material, const btf_shader_options *options,
                              double *out_heights) {
-    btf_gl_options all = gpu_gl_options(device, options);
+    btf_gl_options all = gpu_gl_options(gpu_of_group, options);
     btf_gl *textures = NULL;
     btf_gl_fold *fold = NULL;
     btf_decode_counts most = {.pixels = 1};
     char *text = counting_text(material, options);
-    const unsigned program = gpu_program(device, preamble, text, body, NULL);
+    const unsigned program = gpu_program(gpu_of_group, preamble, text, body, NULL);
     free(text);
     assert_true(program != 0);
     assert_int_equal(btf_gl_upload(material, &all, NULL, &textures), BTF_OK);
@@ -120,7 +118,7 @@ static btf_decode_counts run(const btf_material *material, const btf_shader_opti
         }
         memcpy(inputs[i], f, sizeof f);
     }
-    assert_int_equal(gpu_run(device, program, ELEMENTS, inputs[0], outputs[0], NULL), BTF_OK);
+    assert_int_equal(gpu_run(gpu_of_group, program, ELEMENTS, inputs[0], outputs[0], NULL), BTF_OK);
     *out_heights = 0;
     for (int i = 0; i < ELEMENTS; i++) {
         const uint32_t *o = outputs[i];
@@ -131,7 +129,7 @@ static btf_decode_counts run(const btf_material *material, const btf_shader_opti
         most.points = fmax(most.points, o[3] / 1024);
         *out_heights = fmax(*out_heights, o[2] % 1024);
     }
-    gpu_delete_program(device, program);
+    gpu_delete_program(gpu_of_group, program);
     btf_gl_fold_destroy(&fold);
     btf_gl_destroy(&textures);
     return most;
@@ -245,19 +243,7 @@ static void counts_are_the_shader_s(void **state) {
     assert_true(compared == 18);
 }
 
-static int begin(void **state) {
-    (void)state;
-    device = gpu_create_or_skip(&context_devices[0]);
-    return 0;
-}
-
-static int end(void **state) {
-    (void)state;
-    gpu_destroy(&device);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(counts_are_the_shader_s)};
-    return cmocka_run_group_tests(tests, begin, end);
+    return cmocka_run_group_tests(tests, gpu_group_setup, gpu_group_teardown);
 }

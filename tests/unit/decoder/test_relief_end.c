@@ -133,7 +133,7 @@ static void test_file_refuses(void **state) {
     btf_material_close(&m);
 }
 
-/* How many of some radiances of a level of `a` and of `b`, these decoded without relief, differ. */
+/* Counts the radiances that differ between a level of `a` and that of `b`, decoded by effects_of_b, in 60 places. */
 static int differences(const btf_material *a, const btf_material *b, uint32_t level,
                        uint32_t effects_of_b) {
     enum { SAMPLES = 60 };
@@ -243,7 +243,7 @@ static void test_plan(void **state) {
         assert_int_equal(plan.shader.leave_out, relief ? 0 : RELIEF);
         assert_int_equal(plan.textures >> BTF_TEXTURE_HEIGHTS & 1, relief);
         assert_true((plan.cost < plan.full_cost) == !relief);
-        /* What the table says of the level, with relief's bit or without. */
+        /* The plan has the errors that the table gives for the level, with relief's bit or without. */
         assert_int_equal(btf_plan_predict(m, &plan, plan.effects, 0, &linear, &srgb), BTF_OK);
         assert_true(linear == plan.psnr_linear && srgb == plan.psnr_srgb);
         btf_material *small;

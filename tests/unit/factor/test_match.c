@@ -15,9 +15,9 @@
 #include "encoder/factor/components.h"
 #include "encoder/factor/factor.h"
 #include "encoder/factor/level.h"
-#include "encoder/factor/match_descend.h"
-#include "encoder/factor/match_fit.h"
-#include "encoder/factor/match_search.h"
+#include "encoder/factor/match/descend.h"
+#include "encoder/factor/match/fit.h"
+#include "encoder/factor/match/search.h"
 #include "encoder/factor/method.h"
 #include "encoder/model/pack.h"
 #include "tests/support/light.h"
@@ -196,7 +196,7 @@ static double left_of(const enc_factor_matrix *m, const enc_factor_codes *codes,
     return least;
 }
 
-/* Places along an axis that all of a tile's reach, as match_search.h says. */
+/* Places along an axis that all of a tile's reach, as match/search.h says. */
 static bool reached(int size, int at, int from) {
     const int tile = from / 16 * 16, n = size - tile < 16 ? size - tile : 16;
     const int by = (at - (tile + n - 1 - ENC_MATCH_REACH) + 2 * size) % size;

@@ -100,8 +100,8 @@ static void test_refusals(void **state) {
         {"1 0 0 5 90 2\n", "line 1: expected"},
         {"0 0 nan 0\n", "line 1: expected"},
         {"\n0 0 90 0\n", "line 2: theta 90 of the light"},
-        {"15 0 16 0\n", "line 1: (15,0) is no view and light"},
-        {"30 60 33 60\n30 420 34 60\n", "line 2: (30,420) a second time"},
+        {"15 0 16 0\n", "line 1: (15,0) is not a view of "},
+        {"30 60 33 60\n30 420 34 60\n", "line 2: the view (30,420) is listed a second time"},
         {"", "the table holds no direction"},
         {"theta phi theta_l phi_l\n# 0 0 5 90\n", "the table holds no direction"},
     };

@@ -157,7 +157,7 @@ static void test_decimals(void **state) {
     expect_silent(&plain);
     write_image(0, 0, "tv22_5_pv0_tl0_pl0.png");
     set_expect_refused(set_folder, &plain, BTF_ERROR_BAD_FILE, "1 images have an angle",
-                       "tv22_5_pv0_tl0_pl0.png", "decimals", "--names", NULL);
+                       "tv22_5_pv0_tl0_pl0.png", "decimals", "option names", NULL);
 }
 
 static void test_radians(void **state) {
@@ -384,7 +384,8 @@ static void test_bad_tables(void **state) {
         {"000.png,0,nan,0,0\n", "line 1: phi_v: 'nan' is not a number"},
         {"000.png,90,0,0,0\n", "line 1: theta_v: 90 is not at least 0 and below 90"},
         {"000.png,0,0,-1,0\n", "line 1: theta_l: -1 is not at least 0"},
-        {"000.png,0,0,0,0\n./000.png,0,0,0,0\n", "line 2: '000.png' a second time (after line 1)"},
+        {"000.png,0,0,0,0\n./000.png,0,0,0,0\n",
+         "line 2: '000.png' is listed a second time (first in line 1)"},
         {"\"000.png,0,0,0,0\n", "line 1: a quote is not closed"},
         {"\"000\".png,0,0,0,0\n", "line 1: '.png,0,0,0,0' follows a quoted field"},
         {",0,0,0,0\n", "line 1: the file is empty"},

@@ -167,7 +167,7 @@ static void test_xyz(void **state) {
     float xyz[W * H * 3] = {0};
     write_exr_tiled(set_name_of(UTIA, 2, 2, "exr"), W, H, 3, "XYZ", xyz);
     set_expect_refused(set_folder, &(enc_read_options){0}, BTF_ERROR_BAD_FILE,
-                       "tl015_pl270_tv030_pv120.exr", "--colour xyz", NULL);
+                       "tl015_pl270_tv030_pv120.exr", "--colour xyz", "primaries xyz", NULL);
 }
 
 static void test_transfer(void **state) {

@@ -40,7 +40,7 @@ static void test_refused_below_the_least(void **state) {
         assert_true(least > 200 * 12);
         assert_int_equal(create(least, by_method), BTF_OK);
         assert_int_equal(create(least - 1, by_method), BTF_ERROR_USAGE);
-        snprintf(number, sizeof number, "--memory %zu ", least - 1);
+        snprintf(number, sizeof number, "option memory: %zu ", least - 1);
         assert_non_null(strstr(message, number));
         snprintf(number, sizeof number, "%zuK", (least + 999) / 1000);
         assert_non_null(strstr(message, number));

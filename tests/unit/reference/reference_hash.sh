@@ -1,7 +1,7 @@
 #!/bin/sh
 # The reference decoder gives the same bits from gcc and clang, without and with optimisation, on x86-64, i386
 # (SSE2) and aarch64 (emulated): reference_hash.c is built each way, without a C library, and must print its
-# pinned hash. What is missing is named and left out; exit 77 when only one build could be run.
+# pinned hash. A compiler or emulator that is missing is named, and its builds are left out; exit 77 when only one build could be run.
 #
 # Usage: reference_hash.sh [SOURCE_ROOT]
 # SPDX-License-Identifier: MIT

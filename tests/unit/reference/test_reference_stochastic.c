@@ -30,7 +30,7 @@ static void make(uint32_t seed, made *out) {
     make_relief(seed, 0, &out->relief, &out->m);
 }
 
-/** What is decoded: u, v, light, view. */
+/** The arguments of a decode. */
 typedef struct point {
     float u, v, light[3], view[3];
 } point;

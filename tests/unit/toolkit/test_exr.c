@@ -330,12 +330,12 @@ static void test_plain_choice(void **state) {
 static void test_layer_option(void **state) {
     (void)state;
     bytes_part parts[3] = {part_of(NULL, "a.B/a.G/a.R/b.c.B/b.c.G/b.c.R")};
-    expect_refused(parts, 1, "--layer NAME picks one: part 1 has a.B, a.G, a.R, b.c.B");
+    expect_refused(parts, 1, "option layer picks one: part 1 has a.B, a.G, a.R, b.c.B");
     expect_channels(parts, 1, "a", 3, bgr, NULL);
     expect_channels(parts, 1, "b.c", 3, (const int[]){5, 4, 3}, NULL);
     expect_channels(parts, 1, "b.c.G", 1, (const int[]){4}, NULL);
     layer = "c";
-    expect_refused(parts, 1, "--layer c does not name exactly one layer, part or channel");
+    expect_refused(parts, 1, "option layer: 'c' does not name exactly one layer, part or channel");
     layer = NULL;
     parts[0] = part_of("grey", "Y");
     parts[1] = part_of("one", "B/G/R");
@@ -400,7 +400,7 @@ static void test_many_layers(void **state) {
         }
         free(image.pixels);
     }
-    expect_refused(&p, 1, "--layer NAME picks one");
+    expect_refused(&p, 1, "option layer picks one");
 }
 
 /* Only so many channels are looked through. */
@@ -543,8 +543,8 @@ static void test_views(void **state) {
     bytes_part p = part_of(NULL, "B/G/R/right.B/right.G/right.R");
     add(&p, "multiView", "stringvector", views, sizeof views - 1);
     expect_channels(&p, 1, NULL, 3, bgr, NULL);
-    assert_non_null(
-        strstr(info.notes.texts[IMAGE_NOTE_PARTS], "\"left\" is read (--layer right reads another)"));
+    assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_PARTS],
+                           "\"left\" is read (option layer: \"right\" reads another)"));
     expect_channels(&p, 1, "right", 3, (const int[]){5, 4, 3}, NULL);
     assert_true(info.notes.texts[IMAGE_NOTE_PARTS][0] == '\0');
     p.attributes[0].size = 8; /* one view */

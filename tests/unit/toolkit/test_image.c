@@ -456,7 +456,7 @@ static void test_layer_of_png(void **state) {
     enc_image image = {0};
     assert_int_equal(enc_image_decode_layer(png, sizeof png, "diffuse", &image, message, sizeof message),
                      BTF_ERROR_UNSUPPORTED);
-    assert_non_null(strstr(message, "--layer diffuse"));
+    assert_non_null(strstr(message, "option layer: 'diffuse'"));
     assert_null(image.pixels);
 }
 

@@ -180,7 +180,7 @@ async function freesMemory(gl, name) {
     await report('50 materials opened and closed take the memory of one', memoryBytes() === after1 ? '' : `${memoryBytes()} bytes, after the first ${after1}`);
 }
 
-/* What the page asked for, by the browser's own list, and what its policy kept from leaving. */
+/* Requests that the page's policy kept from leaving; those that left are in the browser's own list. */
 const refused = [];
 document.addEventListener('securitypolicyviolation', (event) => refused.push(event.blockedURI));
 

@@ -47,7 +47,8 @@ typedef enum btf_cosine {
     BTF_COSINE_MISSING,  /**< they are multiplied by it */
 } btf_cosine;
 
-/** How to read. All zeros is a good default; a null pointer means that too. */
+/** How to read. All zeros is a good default; a null pointer means that too. Messages name an option by its member here,
+ * which in btf-encode is the option of that name (`option layer`: --layer). */
 typedef struct btf_input_options {
     size_t struct_size;      /**< sizeof(btf_input_options) */
     btf_transfer transfer;   /**< how values are coded */

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_FACTOR_MATCH_FIT_H
 #define OPENBTF_ENCODER_FACTOR_MATCH_FIT_H
 
-#include "match_search.h"
+#include "locate.h"
 
 enum { ENC_MATCH_ROUNDS = 3, ENC_MATCH_CODE_ROUNDS = 4 };
 

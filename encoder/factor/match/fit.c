@@ -1,14 +1,15 @@
-/* Search and descent in turn. See match_fit.h.
+/* Search and descent in turn. See fit.h.
  *
  * SPDX-License-Identifier: MIT
  */
-#include "match_fit.h"
+#include "fit.h"
 
+#include "descend.h"
 #include "encoder/base/ranks.h"
+#include "encoder/factor/rows.h"
 #include "encoder/math/linear.h"
 #include "encoder/math/symmetric.h"
-#include "match_descend.h"
-#include "rows.h"
+#include "search.h"
 
 #include <math.h>
 #include <stdlib.h>

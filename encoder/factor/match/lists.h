@@ -5,8 +5,8 @@
 #ifndef OPENBTF_ENCODER_FACTOR_MATCH_LISTS_H
 #define OPENBTF_ENCODER_FACTOR_MATCH_LISTS_H
 
+#include "encoder/factor/matrix.h"
 #include "match.h"
-#include "matrix.h"
 
 /* Some columns and rows of texels, around the edge of the texture where they are too many. */
 typedef struct enc_match_area {

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_FACTOR_MATCH_DESCEND_H
 #define OPENBTF_ENCODER_FACTOR_MATCH_DESCEND_H
 
-#include "codes.h"
+#include "encoder/factor/codes.h"
 
 /* `sweeps` sweeps of coordinate descent on w and then on u of every channel, matrix->match held: on the
  * levels of their steps where `round`, else on the values as they are. Two passes over the samples. The

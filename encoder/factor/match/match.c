@@ -121,7 +121,7 @@ uint64_t enc_match_bytes(size_t texels, size_t views) {
     return texel_bytes(enc_match_entries(views), views) * texels;
 }
 
-/* From one place to another on a circle of `size`, the shorter way round. */
+/* The step from one place to another on a circle of `size`, the shorter way round. */
 static int turn(int from, int to, int size) {
     const int by = (to - from + size) % size;
     return 2 * by >= size ? by - size : by;

@@ -1,8 +1,8 @@
-/* Greedy choice of a texel's list. See match_lists.h.
+/* Greedy choice of a texel's list. See lists.h.
  *
  * SPDX-License-Identifier: MIT
  */
-#include "match_lists.h"
+#include "lists.h"
 
 #include "encoder/math/clones.h"
 #include "encoder/math/linear.h"

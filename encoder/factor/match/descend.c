@@ -1,4 +1,4 @@
-/* Weighted coordinate descent. See match_descend.h.
+/* Weighted coordinate descent. See descend.h.
  *
  * A source z has the weight h(z, v) in view v, the sum of the squares of its users' gains. So the Gram
  * matrix that a column of w sees is one a view, U^T diag(h_v) U, and that which a texel of u sees is one a
@@ -7,10 +7,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "match_descend.h"
+#include "descend.h"
 
+#include "encoder/factor/rows.h"
 #include "encoder/math/clones.h"
-#include "rows.h"
 
 #include <stdlib.h>
 #include <string.h>
