@@ -1,4 +1,4 @@
-/* Parses expressions of GLSL and finds their types.
+/* Parses expressions of GLSL, and types, and finds the types of expressions.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -52,6 +52,34 @@ int btfi_constant(const btfi_tree *tree, uint32_t node, int64_t *out_value) {
     default:
         return 0;
     }
+}
+
+btfi_type btfi_parse_array(btfi_parser *p, btfi_type element) {
+    int64_t count = 0;
+    if (!btfi_accept(p, "[")) {
+        return element;
+    }
+    if (!btfi_constant(p->tree, btfi_parse_expression(p), &count) || count < 1 || count > 4096) {
+        btfi_parse_fail(p, "the length of an array is no constant from 1 to 4096");
+    }
+    btfi_expect(p, "]");
+    element.count = (uint32_t)count;
+    return element;
+}
+
+btfi_type btfi_parse_type(btfi_parser *p) {
+    const btfi_token *name = btfi_peek(p);
+    btfi_type type = btfi_named_type(name);
+    const int32_t structure = type.size ? -1 : btfi_find_struct(p->tree, name);
+    if (structure >= 0) {
+        type = btfi_type_of(BTFI_STRUCT, 1);
+        type.of = (uint16_t)structure;
+    }
+    if (type.size) {
+        btfi_take(p);
+        type = btfi_parse_array(p, type);
+    }
+    return type;
 }
 
 /* A node whose type was not found fails. */

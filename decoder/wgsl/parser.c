@@ -4,9 +4,6 @@
  */
 #include "parser.h"
 
-#include "expression.h"
-#include "types.h"
-
 #include <stdio.h>
 
 enum { DEEPEST = 200 };
@@ -98,32 +95,4 @@ int32_t btfi_find_struct(const btfi_tree *tree, const btfi_token *name) {
         }
     }
     return -1;
-}
-
-btfi_type btfi_parse_array(btfi_parser *p, btfi_type element) {
-    int64_t count = 0;
-    if (!btfi_accept(p, "[")) {
-        return element;
-    }
-    if (!btfi_constant(p->tree, btfi_parse_expression(p), &count) || count < 1 || count > 4096) {
-        btfi_parse_fail(p, "the length of an array is no constant from 1 to 4096");
-    }
-    btfi_expect(p, "]");
-    element.count = (uint32_t)count;
-    return element;
-}
-
-btfi_type btfi_parse_type(btfi_parser *p) {
-    const btfi_token *name = btfi_peek(p);
-    btfi_type type = btfi_named_type(name);
-    const int32_t structure = type.size ? -1 : btfi_find_struct(p->tree, name);
-    if (structure >= 0) {
-        type = btfi_type_of(BTFI_STRUCT, 1);
-        type.of = (uint16_t)structure;
-    }
-    if (type.size) {
-        btfi_take(p);
-        type = btfi_parse_array(p, type);
-    }
-    return type;
 }

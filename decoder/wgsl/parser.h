@@ -48,13 +48,7 @@ uint32_t btfi_new_symbol(btfi_parser *p, btfi_token name, btfi_type type);
 /* Makes a symbol visible from here on. */
 void btfi_show(btfi_parser *p, uint32_t symbol);
 
-/* Takes the name of a type when one comes next, structs among them, and [COUNT] behind it; size 0 where none comes. */
-btfi_type btfi_parse_type(btfi_parser *p);
-
 /* The struct of this name; -1: none. */
 int32_t btfi_find_struct(const btfi_tree *tree, const btfi_token *name);
-
-/* Takes [COUNT] when that comes next, and gives the array of elements of a type. */
-btfi_type btfi_parse_array(btfi_parser *p, btfi_type element);
 
 #endif
