@@ -114,7 +114,7 @@ static void write_shader(json *j, const manifest *m) {
         json_integer(j, "group", TRANSLATE_GROUP);
         json_integer(j, "set", (int64_t)m->options->descriptor_set + 1);
         json_integer(j, "binding", 0);
-        json_integer(j, "record_floats", TRANSLATE_RECORD);
+        json_integer(j, "record_words", TRANSLATE_RECORD);
         json_integer(j, "result_at", TRANSLATE_RESULT);
         json_end(j);
     }

@@ -27,20 +27,20 @@ static const char separate_textures[] = "#extension GL_EXT_samplerless_texture_f
                                         "#define usampler2DArray utexture2DArray\n"
                                         "#define isampler2DArray itexture2DArray\n";
 
-/* Evaluates an array. P_ stands for the prefix. */
+/* Evaluates an array of records, which are words, so that no device rounds or flushes what only passes through. P_
+ * stands for the prefix. */
 static const char entry_begin[] =
     "layout(local_size_x = 64) in;\n"
-    "layout(set = %u, binding = 0, std430) buffer P_entry { float P_values[]; };\n"
+    "layout(set = %u, binding = 0, std430) buffer P_entry { uint P_words[]; };\n"
     "void main() {\n"
     "    uint at = 12u * gl_GlobalInvocationID.x;\n"
-    "    vec2 uv = vec2(P_values[at], P_values[at + 1u]);\n"
-    "    vec3 l = vec3(P_values[at + 2u], P_values[at + 3u], P_values[at + 4u]);\n"
-    "    vec3 v = vec3(P_values[at + 5u], P_values[at + 6u], P_values[at + 7u]);\n"
-    "    float level = P_values[at + 8u];\n"
+    "    vec2 uv = uintBitsToFloat(uvec2(P_words[at], P_words[at + 1u]));\n"
+    "    vec3 l = uintBitsToFloat(uvec3(P_words[at + 2u], P_words[at + 3u], P_words[at + 4u]));\n"
+    "    vec3 v = uintBitsToFloat(uvec3(P_words[at + 5u], P_words[at + 6u], P_words[at + 7u]));\n"
+    "    float level = uintBitsToFloat(P_words[at + 8u]);\n"
     "    vec3 radiance;\n";
 static const char entry_random[] =
-    "    uvec3 random = floatBitsToUint(vec3(P_values[at + 9u], P_values[at + 10u], "
-    "P_values[at + 11u]));\n";
+    "    uvec3 random = uvec3(P_words[at + 9u], P_words[at + 10u], P_words[at + 11u]);\n";
 static const char entry_one[] = "    radiance = P_evaluate_level(uv, l, v, int(level));\n";
 static const char entry_one_random[] =
     "    radiance = P_evaluate_stochastic_between(uv, l, v, level, random);\n";
@@ -68,9 +68,9 @@ static const char entry_all_random[] =
     "        radiance = P_evaluate_radiance_blend_between(uv, l, v, 0.5);\n"
     "    else\n"
     "        radiance = P_evaluate_stochastic_between(uv, l, v, level, random);\n";
-static const char entry_end[] = "    P_values[at + 9u] = radiance.x;\n"
-                                "    P_values[at + 10u] = radiance.y;\n"
-                                "    P_values[at + 11u] = radiance.z;\n"
+static const char entry_end[] = "    P_words[at + 9u] = floatBitsToUint(radiance.x);\n"
+                                "    P_words[at + 10u] = floatBitsToUint(radiance.y);\n"
+                                "    P_words[at + 11u] = floatBitsToUint(radiance.z);\n"
                                 "}\n";
 
 /* The whole compute shader, freed by the caller; NULL without memory. */

@@ -19,8 +19,8 @@ typedef struct translate_source {
     int stochastic;          /* btf_evaluate_stochastic and its kin stand in place of btf_evaluate */
 } translate_source;
 
-/* Evaluations of a work group, and floats of an evaluation: texture coordinates (2), light (3), view (3), level, then the
- * result (3), which holds random numbers before where the decode is stochastic. */
+/* Evaluations of a work group, and words of 32 bits of an evaluation: texture coordinates (2 floats), light (3), view (3),
+ * level (a float), then the result (3), which holds random numbers before where the decode is stochastic. */
 enum { TRANSLATE_GROUP = 64, TRANSLATE_RECORD = 12, TRANSLATE_RESULT = 9 };
 
 /* A compute shader `main` that decodes an array of evaluations, in a buffer at binding 0 of the next descriptor set, in

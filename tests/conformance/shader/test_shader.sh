@@ -1,0 +1,152 @@
+#!/bin/bash
+# btf-shader: what it writes is run on every device that reads its language, from the files alone, against the reference
+# decoder; wrong bytes and unprotected arithmetic are noticed.
+#
+#     test_shader.sh [--long]    with --long: every golden material in every language, with every kind of texture file
+#
+# SPDX-License-Identifier: MIT
+. "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
+PATH=$build/decoder/tools/shader:$build/tests/conformance/shader:$PATH
+golden=$BTF_SOURCE_ROOT/tests/data/golden
+entry=$BTF_SOURCE_ROOT/tests/conformance/shader/entry.py
+count=4096
+[ "${1:-}" = --long ] && count=65536
+lavapipe=$(ls /usr/share/vulkan/icd.d/lvp_icd*.json 2>/dev/null | head -1)
+[ -n "$lavapipe" ] && export VK_ICD_FILENAMES=$lavapipe
+
+# to_spirv LANGUAGE FOLDER OUT: the compute shader of a folder of GLSL for Vulkan, HLSL or SPIR-V
+to_spirv() {
+    case $1 in
+    spirv) cp "$2/decode.spv" "$3" ;;
+    vulkan)
+        python3 "$entry" entry "$2" whole.comp || return 1
+        glslangValidator -V whole.comp -o "$3"
+        ;;
+    hlsl)
+        python3 "$entry" entry "$2" whole.hlsl || return 1
+        glslangValidator -D -V -e main -S comp whole.hlsl -o "$3"
+        ;;
+    esac
+}
+
+# devices LANGUAGE: those that read it
+devices() {
+    case $1 in
+    glsl330) echo osmesa-330 ;;
+    glsl450) echo osmesa egl ;;
+    essl300) echo egl-es300 ;;
+    essl310) echo egl-es310 ;;
+    *) echo vulkan ;;
+    esac
+}
+
+# decodes NAME LANGUAGE FOLDER FILE [argument of run_shader...]: on each device
+decodes() {
+    local name=$1 language=$2 folder=$3 file=$4 device
+    shift 4
+    for device in $(devices "$language"); do
+        if [ "$device" = vulkan ]; then
+            if [ -z "$lavapipe" ]; then
+                echo "skipped: no lavapipe here"
+                continue
+            fi
+            expect_that "$name: to SPIR-V" to_spirv "$language" "$folder" code.spv
+            [ "$language" = vulkan ] || expect_that "$name: sums and products are protected" python3 "$entry" protected code.spv
+            expect "$name: on $device" 0 run_shader vulkan "$folder" "$file" --spirv code.spv --count $count "$@"
+        else
+            expect "$name: on $device" 0 run_shader "$device" "$folder" "$file" --count $count "$@"
+        fi
+        expect_text "$name: on $device: no bit differs" "^$language: 0 of $count evaluations differ" out
+        grep -h "^$language:" out
+    done
+}
+
+# ways NAME LANGUAGE TEXTURES: a golden file through btf-shader and a device
+ways() {
+    local name="$1 in $2 with $3"
+    rm -rf folder
+    expect "$name" 0 btf-shader "$golden/$1.btf.exr" --language "$2" --textures "$3" --first-binding 1 -o folder -q
+    decodes "$name" "$2" folder "$golden/$1.btf.exr"
+}
+
+languages="glsl330 glsl450 essl300 essl310 vulkan spirv hlsl"
+stores=(ktx2 dds raw)
+i=0
+if [ "${1:-}" = --long ]; then
+    for file in "$golden"/*.btf.exr; do
+        for language in $languages; do
+            for store in "${stores[@]}"; do
+                ways "$(basename "$file" .btf.exr)" "$language" "$store"
+            done
+        done
+    done
+    finish
+fi
+# Two materials in all languages, which have all textures between them; every other one in one.
+for language in $languages; do
+    ways v2-all "$language" "${stores[i++ % 3]}"
+    ways v1-paper "$language" "${stores[i++ % 3]}"
+done
+for file in "$golden"/*.btf.exr; do
+    name=$(basename "$file" .btf.exr)
+    set -- $languages
+    shift $((i % 7))
+    case $name in
+    v2-all | v1-paper) ;;
+    *) ways "$name" "$1" "${stores[i++ % 3]}" ;;
+    esac
+done
+
+# ---- options: what the manifest says is what the shader does
+
+file=$golden/v2-all.btf.exr
+expect 'nearest, steep, without gain' 0 btf-shader "$file" -l essl300 -o nearest -q --interpolation nearest --filter steep \
+    --effects shift,residual,relief --components 1
+decodes 'nearest, steep, without gain' essl300 nearest "$file"
+for language in glsl330 spirv hlsl; do
+    expect "stochastic, $language" 0 btf-shader "$file" -l $language -o "picks-$language" -q --picks all --filter bilinear --prefix stone_2
+    decodes "stochastic, $language" $language "picks-$language" "$file"
+done
+
+# ---- what is wrong is noticed
+
+# swap_byte FILE [AT]: another value of a byte near the end
+swap_byte() {
+    python3 - "$1" "${2:--3}" <<'P'
+import sys
+data = bytearray(open(sys.argv[1], "rb").read())
+data[int(sys.argv[2])] ^= 0x15
+open(sys.argv[1], "wb").write(data)
+P
+}
+for store in "${stores[@]}"; do
+    rm -rf folder
+    btf-shader "$golden/v1-paper.btf.exr" -l glsl450 --textures $store --first-binding 1 -o folder -q
+    swap_byte "folder/maps.$store"
+    expect "a wrong byte of $store" 7 run_shader osmesa folder "$golden/v1-paper.btf.exr"
+    expect_text "a wrong byte of $store: the texture is named" '^maps: level 0 is not' err
+done
+rm -rf folder
+btf-shader "$file" -l glsl450 --textures ktx2 --first-binding 1 -o folder -q
+for at in 12 16 32 40 80 88; do # vkFormat, typeSize, layerCount, levelCount, the index of levels
+    cp folder/points.ktx2 kept
+    swap_byte folder/points.ktx2 $at
+    expect "KTX 2.0: byte $at is read" 3 run_shader osmesa folder "$file"
+    mv kept folder/points.ktx2
+done
+if [ -n "$lavapipe" ]; then
+    btf-shader "$file" -l hlsl -o hlsl -q
+    sed -i 's/precise //' hlsl/decode.hlsl
+    to_spirv hlsl hlsl loose.spv >/dev/null
+    expect 'HLSL without precise: seen in SPIR-V' 1 python3 "$entry" protected loose.spv
+    expect 'and in the text' 1 python3 "$entry" protected hlsl/decode.hlsl
+fi
+
+# ---- Metal's language, which nothing here compiles
+
+expect 'msl' 0 btf-shader "$file" -l msl -o msl -q
+expect_that 'msl: sums and products are protected' python3 "$entry" protected msl/decode.metal
+sed 's/spvFMul(\([^,]*\), \([^)]*\))/\1 * \2/' msl/decode.metal >loose.metal
+expect 'msl: a product that is not' 1 python3 "$entry" protected loose.metal
+expect_text 'msl: it says that nobody compiled it' 'no Metal compiler has seen this text' msl/decode.metal
+finish
