@@ -2,7 +2,9 @@
 # btf-shader: what it writes is run on every device that reads its language, from the files alone, against the reference
 # decoder; wrong bytes and unprotected arithmetic are noticed.
 #
-#     test_shader.sh [--long]    with --long: every golden material in every language, with every kind of texture file
+#     test_shader.sh             two golden materials in every language, the others in one
+#     test_shader.sh --long      every golden material in every language, with every kind of texture file
+#     test_shader.sh --table     prints the table of languages of shaders/README.md (tests/bench/regenerate.sh)
 #
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
@@ -10,7 +12,7 @@ PATH=$build/decoder/tools/shader:$build/tests/conformance/shader:$PATH
 golden=$BTF_SOURCE_ROOT/tests/data/golden
 entry=$BTF_SOURCE_ROOT/tests/conformance/shader/entry.py
 count=4096
-[ "${1:-}" = --long ] && count=65536
+[ -n "${1:-}" ] && count=65536
 lavapipe=$(ls /usr/share/vulkan/icd.d/lvp_icd*.json 2>/dev/null | head -1)
 [ -n "$lavapipe" ] && export VK_ICD_FILENAMES=$lavapipe
 
@@ -68,6 +70,32 @@ ways() {
     expect "$name" 0 btf-shader "$golden/$1.btf.exr" --language "$2" --textures "$3" --first-binding 1 -o folder -q
     decodes "$name" "$2" folder "$golden/$1.btf.exr"
 }
+
+# row LANGUAGE COMPILER: a line of the table
+row() {
+    local results
+    rm -rf folder
+    btf-shader "$golden/v2-all.btf.exr" -l "$1" --first-binding 1 -o folder -q || exit 2
+    results=$(decodes table "$1" folder "$golden/v2-all.btf.exr" | tee table.log | sed -nE 's/.*: ([0-9]+) of ([0-9]+) eval.*/\1 of \2/p' | sort -u | paste -sd ';')
+    ! grep -q FAILED table.log || { cat table.log >&2; exit 2; }
+    printf '| `%s` | %s | %s | %s | %s |\n' "$1" "$2" "$3" "${results:-}" "$(stat -c %s folder/decode.* | sed ':a;s/\B[0-9]\{3\}\>/,&/;ta')"
+}
+if [ "${1:-}" = --table ]; then
+    echo '| language | compiled by | run on | values that differ | bytes, `v2-all` |'
+    echo '| --- | --- | --- | --- | --- |'
+    row glsl330 'Mesa' 'OSMesa (llvmpipe)'
+    row glsl450 'Mesa' 'OSMesa, EGL (llvmpipe)'
+    row essl300 'Mesa' 'EGL (llvmpipe)'
+    row essl310 'Mesa' 'EGL (llvmpipe)'
+    row vulkan 'glslang' 'lavapipe'
+    row spirv 'glslang' 'lavapipe'
+    row hlsl "glslang's HLSL front end" 'lavapipe'
+    rm -rf folder
+    btf-shader "$golden/v2-all.btf.exr" -l msl -o folder -q || exit 2
+    printf '| `msl` | nothing: no free compiler | nothing; protected operations are counted in the text | | %s |\n' \
+        "$(stat -c %s folder/decode.metal | sed ':a;s/\B[0-9]\{3\}\>/,&/;ta')"
+    exit
+fi
 
 languages="glsl330 glsl450 essl300 essl310 vulkan spirv hlsl"
 stores=(ktx2 dds raw)
