@@ -139,23 +139,31 @@ btf_result cross_hlsl(const char *text, const char *prefix, const btf_log *log, 
     return finish(copy, known, "HLSL", log, out_text);
 }
 
-/* The text up to `end`, products with the sign of zero kept; NULL without memory. Fast math protects none. */
-static char *keep_zeros(const char *text, const char *end) {
-    static const char product[] = "return fma(l, r, T(0));", kept[] = "return fma(l, r, T(-0.0));";
-    char *begin = strndup(text, (size_t)(end - text));
-    char *found = begin ? strstr(begin, product) : NULL;
-    if (!found) {
-        return begin;
+/* The text up to `end`, every product protected, with its sign of zero; NULL without memory. Fast math protects none. */
+static char *protect_products(const char *text, const char *end) {
+    static const struct {
+        const char *written, *better;
+    } changes[] = {
+        {"return fma(l, r, T(0));", "return fma(l, r, T(-0.0));"},
+        /* SPIRV-Cross passes over products of a vector and a number (exact.glsl has two). */
+        {"float3 r = a * b;", "float3 r = spvFMul(a, float3(b));"},
+        {"float4 r = a * b;", "float4 r = spvFMul(a, float4(b));"},
+    };
+    char *made = strndup(text, (size_t)(end - text));
+    if (!made || !strstr(made, changes[0].written)) {
+        return made;
     }
-    *found = 0;
-    char *joined = cross_join((const char *const[]){begin, kept, found + strlen(product), NULL});
-    free(begin);
-    return joined;
+    for (size_t i = 0; i < sizeof changes / sizeof *changes && made; i++) {
+        char *changed = replace(made, changes[i].written, changes[i].better, false);
+        free(made);
+        made = changed;
+    }
+    return made;
 }
 
 btf_result cross_msl(const char *text, const char *prefix, const btf_log *log, char **out_text) {
     const char *kernel = strstr(text, "\nkernel void ");
-    char *library = kernel ? keep_zeros(text, kernel) : strdup(text), *made = NULL;
+    char *library = kernel ? protect_products(text, kernel) : strdup(text), *made = NULL;
     char upper[64];
     snprintf(upper, sizeof upper, "%s_ENTRY", prefix);
     for (char *c = upper; *c; c++) {

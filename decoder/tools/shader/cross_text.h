@@ -18,8 +18,8 @@ char *cross_replace_prefix(const char *text, const char *from, const char *prefi
  * BTF_ERROR_INTERNAL (the text is not as this function knows it from SPIRV-Cross 0.54). */
 btf_result cross_hlsl(const char *text, const char *prefix, const btf_log *log, char **out_text);
 
-/* Metal's language, its kernel only where PREFIX_ENTRY is defined. Products keep the sign of zero: SPIRV-Cross protects
- * them as fma(l, r, 0), which makes +0 of -0, and here they become fma(l, r, -0). Errors likewise. */
+/* Metal's language, its kernel only where PREFIX_ENTRY is defined. SPIRV-Cross protects products as fma(l, r, 0), which
+ * makes +0 of -0, and passes over those of a vector and a number: here all become fma(l, r, -0). Errors likewise. */
 btf_result cross_msl(const char *text, const char *prefix, const btf_log *log, char **out_text);
 
 #endif
