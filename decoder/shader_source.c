@@ -1,74 +1,35 @@
-/* Assembles the GLSL of a material: its macros, then the embedded library text, names prefixed as asked.
+/* Assembles the shader text of a material: its macros, then the embedded library text, names prefixed as asked; in WGSL,
+ * what the translator makes of that.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "decoder/fold/fold.h"
+#include "decoder/wgsl/growing.h"
 #include "material.h"
 #include "reach.h"
 #include "shape.h"
 #include <openbtf/shader.h>
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { MAX_PREFIX = 32 };
 
-/* A text that grows; once memory runs out, `failed` stays set. */
-typedef struct text {
-    char *data;
-    size_t length, capacity;
-    int failed;
-} text;
-
-static void text_append(text *t, const char *data, size_t length) {
-    if (t->failed) {
-        return;
-    }
-    if (length >= t->capacity - t->length) {
-        size_t capacity = 2 * (t->length + length) + 256;
-        char *grown = realloc(t->data, capacity);
-        if (!grown) {
-            t->failed = 1;
-            return;
-        }
-        t->data = grown;
-        t->capacity = capacity;
-    }
-    memcpy(t->data + t->length, data, length);
-    t->length += length;
-    t->data[t->length] = 0;
-}
-
-static void text_print(text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void text_print(text *t, const char *format, ...) {
-    char line[256];
-    va_list arguments;
-    va_start(arguments, format);
-    int length = vsnprintf(line, sizeof line, format, arguments);
-    va_end(arguments);
-    if (length < 0 || (size_t)length >= sizeof line) {
-        t->failed = 1;
-    } else {
-        text_append(t, line, (size_t)length);
-    }
-}
-
 /* A float as a constant expression that no compiler rounds. */
-static void define_float(text *t, const char *name, float value) {
+static void define_float(btfi_growing *t, const char *name, float value) {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
-    text_print(t, "#define %s uintBitsToFloat(0x%08Xu)\n", name, bits);
+    btfi_print(t, "#define %s uintBitsToFloat(0x%08Xu)\n", name, bits);
 }
 
 /* A value that a user may have defined already, e.g. as a uniform. */
-static void define_uint(text *t, const char *name, uint32_t value) {
-    text_print(t, "#ifndef %s\n#define %s %uu\n#endif\n", name, name, value);
+static void define_uint(btfi_growing *t, const char *name, uint32_t value) {
+    btfi_print(t, "#ifndef %s\n#define %s %uu\n#endif\n", name, name, value);
 }
 
-static void define_int(text *t, const char *name, int32_t value) {
-    text_print(t, "#ifndef %s\n#define %s (%d)\n#endif\n", name, name, value);
+static void define_int(btfi_growing *t, const char *name, int32_t value) {
+    btfi_print(t, "#ifndef %s\n#define %s (%d)\n#endif\n", name, name, value);
 }
 
 static void fail(const btf_log *log, const char *message) {
@@ -193,7 +154,7 @@ static int is_word(char c) {
 }
 
 /* Appends a text in which names that begin with btf_ and BTF_ begin with the prefix instead. */
-static void append_prefixed(text *t, const char *source, const char *prefix) {
+static void append_prefixed(btfi_growing *t, const char *source, const char *prefix) {
     char upper[MAX_PREFIX + 1] = {0};
     for (size_t i = 0; prefix[i]; ++i) {
         upper[i] = prefix[i] >= 'a' && prefix[i] <= 'z' ? (char)(prefix[i] - 'a' + 'A') : prefix[i];
@@ -207,27 +168,27 @@ static void append_prefixed(text *t, const char *source, const char *prefix) {
         if (!lower && strncmp(p, "BTF_", 4) != 0) {
             continue;
         }
-        text_append(t, begin, (size_t)(p - begin));
-        text_append(t, lower ? prefix : upper, strlen(prefix));
+        btfi_append(t, begin, (size_t)(p - begin));
+        btfi_append(t, lower ? prefix : upper, strlen(prefix));
         begin = p + 3;
     }
-    text_append(t, begin, strlen(begin));
+    btfi_append(t, begin, strlen(begin));
 }
 
 /* A direction's neighbours as constants, those of weight 0 last. */
-static void define_fixed(text *t, const char *name, const btfi_directions *directions,
+static void define_fixed(btfi_growing *t, const char *name, const btfi_directions *directions,
                          const float direction[3], int nearest) {
     btfi_neighbours n = btfi_neighbours_of(directions, direction, nearest);
-    text_print(t, "#define BTF_FIXED_%s %u\n", name, n.count);
-    text_print(t, "#define BTF_FIXED_%s_INDEX uvec3(%uu, %uu, %uu)\n", name, n.index[0], n.index[1],
+    btfi_print(t, "#define BTF_FIXED_%s %u\n", name, n.count);
+    btfi_print(t, "#define BTF_FIXED_%s_INDEX uvec3(%uu, %uu, %uu)\n", name, n.index[0], n.index[1],
                n.index[2]);
-    text_print(t, "#define BTF_FIXED_%s_WEIGHT uvec3(%uu, %uu, %uu)\n", name, n.weight[0], n.weight[1],
+    btfi_print(t, "#define BTF_FIXED_%s_WEIGHT uvec3(%uu, %uu, %uu)\n", name, n.weight[0], n.weight[1],
                n.weight[2]);
 }
 
 /* Where a fold keeps a fixed view's neighbours, which define_fixed has in another order: those of weight 0 last. */
-static void define_fixed_layers(text *t, const btfi_directions *directions, const float direction[3],
-                                int nearest) {
+static void define_fixed_layers(btfi_growing *t, const btfi_directions *directions,
+                                const float direction[3], int nearest) {
     uint32_t index[3], weight[3], layer[3] = {0, 0, 0}, count = 0;
     btfi_lookup(directions, direction, index, weight);
     for (uint32_t k = 0; k < 3; ++k) {
@@ -235,68 +196,68 @@ static void define_fixed_layers(text *t, const btfi_directions *directions, cons
             layer[count++] = k;
         }
     }
-    text_print(t, "#define BTF_FIXED_VIEW_LAYER uvec3(%uu, %uu, %uu)\n", layer[0], layer[1], layer[2]);
+    btfi_print(t, "#define BTF_FIXED_VIEW_LAYER uvec3(%uu, %uu, %uu)\n", layer[0], layer[1], layer[2]);
 }
 
 /* The classes of factors, cut to the first `units` units; then of words, as many as these hold. */
-static void define_classes(text *t, const btf_material_info *info, uint32_t units) {
+static void define_classes(btfi_growing *t, const btf_material_info *info, uint32_t units) {
     for (int c = 0; c < BTF_FACTOR_CLASSES; ++c) {
         const uint32_t *of = info->factor_classes[c];
         uint32_t n = of[0] < units ? of[0] : units, c1 = of[1] < 4 * n ? of[1] : 4 * n,
                  c2 = of[2] < 4 * n - c1 ? of[2] : 4 * n - c1;
         units -= n;
-        text_print(t, "#define BTF_FACTOR_UNITS_%d %u\n", c, n);
-        text_print(t, "#define BTF_FACTOR_C1_%d %u\n", c, c1);
-        text_print(t, "#define BTF_FACTOR_C2_%d %u\n", c, c2);
+        btfi_print(t, "#define BTF_FACTOR_UNITS_%d %u\n", c, n);
+        btfi_print(t, "#define BTF_FACTOR_C1_%d %u\n", c, c1);
+        btfi_print(t, "#define BTF_FACTOR_C2_%d %u\n", c, c2);
     }
 }
 
 /* The macros of shaders/options.glsl. Those of version 2 stand only where a material needs them, so that the text
  * of one of version 1 stays what it was. */
-static void write_macros(text *t, const btf_material *material, const btf_material_info *info,
+static void write_macros(btfi_growing *t, const btf_material *material, const btf_material_info *info,
                          const btf_shader_options *options) {
     variant v = choose(info, options);
     int shadow = (v.effects & BTF_EFFECT_SHADOW) && info->colour != BTF_COLOUR_NONE;
-    text_print(t, "#define BTF_LAYOUT_TIGHT %d\n", info->layout == BTF_LAYOUT_TIGHT);
-    text_print(t, "#define BTF_DOMAIN_SQRT %d\n", info->domain == BTF_DOMAIN_SQRT);
-    text_print(t, "#define BTF_COLOUR %d\n", (int)info->colour);
-    text_print(t, "#define BTF_LOBES %u\n", info->lobes);
-    text_print(t, "#define BTF_SHADOW %d\n", shadow);
-    text_print(t, "#define BTF_SHIFT %d\n", (v.effects & BTF_EFFECT_SHIFT) != 0);
-    text_print(t, "#define BTF_HIDDEN %d\n", (v.effects & BTF_EFFECT_HIDDEN) != 0);
-    text_print(t, "#define BTF_GAIN %d\n", (v.effects & BTF_EFFECT_GAIN) != 0);
-    text_print(t, "#define BTF_COMPONENTS %u\n", v.components);
-    text_print(t, "#define BTF_CODE_ZERO %d\n", v.code_zero);
+    btfi_print(t, "#define BTF_LAYOUT_TIGHT %d\n", info->layout == BTF_LAYOUT_TIGHT);
+    btfi_print(t, "#define BTF_DOMAIN_SQRT %d\n", info->domain == BTF_DOMAIN_SQRT);
+    btfi_print(t, "#define BTF_COLOUR %d\n", (int)info->colour);
+    btfi_print(t, "#define BTF_LOBES %u\n", info->lobes);
+    btfi_print(t, "#define BTF_SHADOW %d\n", shadow);
+    btfi_print(t, "#define BTF_SHIFT %d\n", (v.effects & BTF_EFFECT_SHIFT) != 0);
+    btfi_print(t, "#define BTF_HIDDEN %d\n", (v.effects & BTF_EFFECT_HIDDEN) != 0);
+    btfi_print(t, "#define BTF_GAIN %d\n", (v.effects & BTF_EFFECT_GAIN) != 0);
+    btfi_print(t, "#define BTF_COMPONENTS %u\n", v.components);
+    btfi_print(t, "#define BTF_CODE_ZERO %d\n", v.code_zero);
     if (info->blend == BTF_BLEND_ROOTS) {
-        text_print(t, "#define BTF_BLEND_ROOTS 1\n");
+        btfi_print(t, "#define BTF_BLEND_ROOTS 1\n");
     }
     if (v.components > 0 && info->store == BTF_STORE_FACTORS) {
-        text_print(t, "#define BTF_FACTORS 1\n");
+        btfi_print(t, "#define BTF_FACTORS 1\n");
         define_classes(t, info, v.components);
     }
     if (btfi_shares_points(info)) { /* 1 packed points, 2 lists of them */
-        text_print(t, "#define BTF_POINTS %d\n", (int)info->point_store);
+        btfi_print(t, "#define BTF_POINTS %d\n", (int)info->point_store);
     }
     if (v.relief) {
-        text_print(t, "#define BTF_RELIEF %d\n", v.relief);
+        btfi_print(t, "#define BTF_RELIEF %d\n", v.relief);
     }
     if (v.gloss) {
-        text_print(t, "#define BTF_GLOSS %u\n", v.gloss);
+        btfi_print(t, "#define BTF_GLOSS %u\n", v.gloss);
     }
     if (options->fold) {
-        text_print(t, "#define BTF_FOLDED %d\n", (int)options->fold);
+        btfi_print(t, "#define BTF_FOLDED %d\n", (int)options->fold);
     }
-    text_print(t, "#define BTF_NEAREST %d\n", options->interpolation == BTF_INTERPOLATION_NEAREST);
-    text_print(t, "#define BTF_BILINEAR %d\n", options->filter != BTF_FILTER_TEXEL);
+    btfi_print(t, "#define BTF_NEAREST %d\n", options->interpolation == BTF_INTERPOLATION_NEAREST);
+    btfi_print(t, "#define BTF_BILINEAR %d\n", options->filter != BTF_FILTER_TEXEL);
     if (options->filter == BTF_FILTER_STEEP) {
-        text_print(t, "#define BTF_STEEP 1\n");
+        btfi_print(t, "#define BTF_STEEP 1\n");
     }
-    text_print(t, "#define BTF_FAST_MATH %d\n", options->math == BTF_MATH_FAST);
-    if (options->have_precise) {
-        text_print(t, "#define BTF_HAVE_PRECISE 1\n");
+    btfi_print(t, "#define BTF_FAST_MATH %d\n", options->math == BTF_MATH_FAST);
+    if (options->have_precise && options->language == BTF_LANGUAGE_GLSL) {
+        btfi_print(t, "#define BTF_HAVE_PRECISE 1\n");
     }
     if (options->picks != BTF_PICK_NONE) {
-        text_print(t, "#define BTF_STOCHASTIC %d\n", (int)options->picks);
+        btfi_print(t, "#define BTF_STOCHASTIC %d\n", (int)options->picks);
     }
     int nearest = options->interpolation == BTF_INTERPOLATION_NEAREST;
     if (options->fixed & BTF_FIXED_VIEW) {
@@ -348,8 +309,10 @@ static void write_macros(text *t, const btf_material *material, const btf_materi
 }
 
 /* The samplers' layout qualifiers; literals, since ESSL 310 takes no expression there. */
-static void write_bindings(text *t, const btf_shader_options *options) {
-    if (options->bindings == BTF_BINDINGS_NONE) {
+static void write_bindings(btfi_growing *t, const btf_shader_options *options) {
+    const int wgsl =
+        options->language == BTF_LANGUAGE_WGSL; /* in which every resource has a group and a binding */
+    if (options->bindings == BTF_BINDINGS_NONE && !wgsl) {
         return;
     }
     for (uint32_t i = 0; i < BTF_TEXTURE_COUNT; ++i) {
@@ -358,18 +321,18 @@ static void write_bindings(text *t, const btf_shader_options *options) {
         for (size_t c = 0; lower[c] && c + 1 < sizeof name; ++c) {
             name[c] = lower[c] >= 'a' && lower[c] <= 'z' ? (char)(lower[c] - 'a' + 'A') : lower[c];
         }
-        text_print(t, "#define BTF_BINDING_%s %u\n", name, options->first_binding + i);
+        btfi_print(t, "#define BTF_BINDING_%s %u\n", name, options->first_binding + i);
     }
-    static const char *const more[] = {"FOLDED", "SAMPLING_TRIANGLES", "SAMPLING_DENSITIES"};
+    static const char *const more[] = {"FOLDED", "SAMPLING_TRIANGLES", "SAMPLING_DENSITIES", "ZERO"};
     for (uint32_t i = 0; i < sizeof more / sizeof *more; ++i) {
-        text_print(t, "#define BTF_BINDING_%s %u\n", more[i],
+        btfi_print(t, "#define BTF_BINDING_%s %u\n", more[i],
                    options->first_binding + BTF_TEXTURE_COUNT + i);
     }
-    if (options->bindings == BTF_BINDINGS_VULKAN) {
-        text_print(t, "#define BTF_UNIFORM(n) layout(set = %u, binding = n) uniform\n",
+    if (options->bindings == BTF_BINDINGS_VULKAN || wgsl) {
+        btfi_print(t, "#define BTF_UNIFORM(n) layout(set = %u, binding = n) uniform\n",
                    options->descriptor_set);
     } else {
-        text_print(t, "#define BTF_UNIFORM(n) layout(binding = n) uniform\n");
+        btfi_print(t, "#define BTF_UNIFORM(n) layout(binding = n) uniform\n");
     }
 }
 
@@ -388,13 +351,14 @@ btf_result btf_shader_source(const btf_material *material, const btf_shader_opti
     if ((unsigned)all.interpolation > BTF_INTERPOLATION_NEAREST ||
         (unsigned)all.filter > BTF_FILTER_STEEP || (unsigned)all.math > BTF_MATH_FAST ||
         (unsigned)all.bindings > BTF_BINDINGS_VULKAN || (unsigned)all.picks > BTF_PICK_ALL ||
-        (unsigned)all.fold > BTF_FOLD_NEIGHBOURS) {
+        (unsigned)all.fold > BTF_FOLD_NEIGHBOURS || (unsigned)all.language > BTF_LANGUAGE_WGSL) {
         char message[160];
         snprintf(
             message, sizeof message,
-            "shader: interpolation %d, filter %d, math %d, bindings %d, picks %d or fold %d is unknown",
+            "shader: interpolation %d, filter %d, math %d, bindings %d, picks %d, fold %d or language %d "
+            "is unknown",
             (int)all.interpolation, (int)all.filter, (int)all.math, (int)all.bindings, (int)all.picks,
-            (int)all.fold);
+            (int)all.fold, (int)all.language);
         fail(log, message);
         return BTF_ERROR_USAGE;
     }
@@ -414,7 +378,7 @@ btf_result btf_shader_source(const btf_material *material, const btf_shader_opti
     }
     info = btfi_folded_info(&info, all.fold);
 
-    text macros = {0}, assembled = {0};
+    btfi_growing macros = {0}, assembled = {0};
     write_macros(&macros, material, &info, &all);
     write_bindings(&macros, &all);
     if (!macros.failed) {
@@ -427,6 +391,11 @@ btf_result btf_shader_source(const btf_material *material, const btf_shader_opti
         free(assembled.data);
         fail(log, "shader: out of memory");
         return BTF_ERROR_MEMORY;
+    }
+    if (all.language == BTF_LANGUAGE_WGSL) {
+        result = btf_shader_wgsl(assembled.data, log, out_text);
+        free(assembled.data);
+        return result;
     }
     *out_text = assembled.data;
     return BTF_OK;

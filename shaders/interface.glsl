@@ -3,13 +3,18 @@
  * Only what the variant reads is declared: at most 13 samplers (layout tight: an SBRDF, shadow, shift, gain, centres,
  * four of factors, heights, view vectors and two tables; 11 where points are packed, 12 where they lie in lists) of the 16
  * that every GL and ES has for a fragment shader.
- * In Vulkan, BTF_UNIFORM(n) has to give set and binding. To use samplers of other names, define BTF_NO_INTERFACE and,
+ * In Vulkan, BTF_UNIFORM(n) has to give set and binding. WGSL is defined while btf_shader_wgsl() makes WGSL of the text, where
+ * the zero has a binding, too. To use samplers of other names, define BTF_NO_INTERFACE and,
  * say, btf_maps as the name of yours.
  *
  * SPDX-License-Identifier: MIT
  */
 #ifndef BTF_UNIFORM
+#ifdef WGSL
+#define BTF_UNIFORM(n) layout(set = 0, binding = n) uniform
+#else
 #define BTF_UNIFORM(n) uniform
+#endif
 #endif
 
 #ifndef BTF_BINDING_SBRDF
@@ -36,6 +41,7 @@
 #define BTF_BINDING_FOLDED 20
 #define BTF_BINDING_SAMPLING_TRIANGLES 21
 #define BTF_BINDING_SAMPLING_DENSITIES 22
+#define BTF_BINDING_ZERO 23
 #endif
 
 #ifndef BTF_NO_INTERFACE
@@ -104,6 +110,10 @@ BTF_UNIFORM(BTF_BINDING_SAMPLING_DENSITIES) highp sampler2D btf_sampling_densiti
 #endif
 
 #if !BTF_HAVE_PRECISE && !BTF_FAST_MATH && !defined(BTF_ZERO)
+#ifdef WGSL
+BTF_UNIFORM(BTF_BINDING_ZERO) highp uint btf_zero;
+#else
 uniform highp uint btf_zero;
+#endif
 #define BTF_ZERO btf_zero
 #endif

@@ -138,6 +138,7 @@ static btf_result make_pass(btf_gl_fold *f, const btf_material *material, const 
     pass.have_precise = 0; /* the newest version says */
     pass.prefix = NULL;
     pass.bindings = BTF_BINDINGS_NONE;
+    pass.language = BTF_LANGUAGE_GLSL;
     btf_result result = btf_shader_source(material, &pass, log, &library);
     if (result != BTF_OK) {
         return result;

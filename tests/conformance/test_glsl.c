@@ -7,7 +7,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "pairwise.h"
+#include "variant_rows.h"
 
 #include <glslang/Include/glslang_c_interface.h>
 #include <glslang/Public/resource_limits_c.h>
@@ -15,74 +15,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* The options that decide which code exists. */
-enum factor {
-    LAYOUT,
-    DOMAIN,
-    COLOUR,
-    LOBES,
-    SHADOW,
-    SHIFT,
-    HIDDEN,
-    GAIN,
-    COMPONENTS,
-    NEAREST,
-    BILINEAR,
-    FAST,
-    STORE, /* components, factors of all classes, of some */
-    ROOTS,
-    POINTS, /* packed or in lists: layout tight, without hidden points */
-    RELIEF, /* of one height, of a map, of a map that ends before the last level: layout tight */
-    GLOSS,  /* of a quarter, of a half: layout tight */
-    STEEP,  /* with bilinear filtering */
-    PICKS,  /* none, views, lights, all */
-    FACTORS
-};
-static const uint8_t levels[FACTORS] = {2, 2, 3, 4, 2, 2, 3, 2, 4, 2, 2, 2, 3, 2, 3, 4, 3, 2, 4};
-static const int components[] = {0, 1, 6, 16};
-
-/* Of each class units, words of C1 and of C2, of the stores after the first. */
-static const int classes[][5][3] = {
-    {{1, 1, 2}, {2, 1, 3}, {3, 0, 1}, {1, 0, 0}, {2, 4, 4}},
-    {{0, 0, 0}, {2, 0, 0}, {0, 0, 0}, {0, 0, 0}, {9, 3, 2}},
-};
-
-static int has_factors(const uint8_t *row) {
-    return row[STORE] > 0 && components[row[COMPONENTS]] > 0;
-}
-
-/* The names that the library defines for a material of version 2. */
-static void write_version_2(char *out, size_t size, const uint8_t *row) {
-    size_t at =
-        (size_t)snprintf(out, size, "%s#define BTF_POINTS %d\n%s",
-                         row[ROOTS] && row[DOMAIN] ? "#define BTF_BLEND_ROOTS 1\n" : "", row[POINTS],
-                         row[POINTS] ? "#define BTF_GAIN_BASE 0.25\n#define BTF_GAIN_STEP 0.125\n" : "");
-    if (row[RELIEF]) {
-        at += (size_t)snprintf(
-            out + at, size - at,
-            "#define BTF_RELIEF %d\n#define BTF_RELIEF_BASE (-300)\n#define BTF_RELIEF_STEP 900\n"
-            "#define BTF_RELIEF_STEPS 8\n%s",
-            row[RELIEF] == 1 ? 1 : 2, row[RELIEF] == 3 ? "#define BTF_RELIEF_END 2\n" : "");
-    }
-    if (row[GLOSS]) {
-        at += (size_t)snprintf(out + at, size - at, "#define BTF_GLOSS %d\n", row[GLOSS]);
-    }
-    if (row[STEEP]) {
-        at += (size_t)snprintf(out + at, size - at, "#define BTF_STEEP %d\n", row[BILINEAR]);
-    }
-    if (!has_factors(row)) {
-        return;
-    }
-    const int(*of)[3] = classes[row[STORE] - 1];
-    at += (size_t)snprintf(out + at, size - at, "#define BTF_FACTORS 1\n#define BTF_HORIZON_SCALE 3.75\n");
-    for (int c = 0; c < 5; ++c) {
-        at += (size_t)snprintf(
-            out + at, size - at,
-            "#define BTF_FACTOR_UNITS_%d %d\n#define BTF_FACTOR_C1_%d %d\n#define BTF_FACTOR_C2_%d %d\n", c,
-            of[c][0], c, of[c][1], c, of[c][2]);
-    }
-}
 
 typedef struct version {
     const char *name, *line, *extra; /* `extra` stands before the library */
@@ -97,27 +29,6 @@ static const version versions[] = {
     {"Vulkan", "#version 450 core\n", "#define BTF_UNIFORM(n) layout(set = 0, binding = n) uniform\n", 1},
 };
 enum { VERSIONS = sizeof versions / sizeof *versions };
-
-static void write_options(char *out, size_t size, const uint8_t *row) {
-    int colour = row[COLOUR];
-    snprintf(
-        out, size,
-        "#define BTF_LAYOUT_TIGHT %d\n#define BTF_DOMAIN_SQRT %d\n#define BTF_COLOUR %d\n#define BTF_LOBES "
-        "%d\n"
-        "#define BTF_SHADOW %d\n#define BTF_SHIFT %d\n#define BTF_HIDDEN %d\n#define BTF_CODE_ZERO %d\n"
-        "#define BTF_GAIN %d\n#define BTF_COMPONENTS %d\n#define BTF_NEAREST %d\n#define BTF_BILINEAR %d\n"
-        "#define BTF_FAST_MATH %d\n#define BTF_STOCHASTIC %d\n"
-        "#define BTF_WIDTH 64u\n#define BTF_HEIGHT 48u\n#define BTF_LEVELS 3u\n#define BTF_N_LIGHTS "
-        "81u\n#define BTF_VIEW_GRID "
-        "16u\n"
-        "#define BTF_LIGHT_GRID 8u\n#define BTF_ATLAS_WIDTH 1024u\n#define BTF_ATLAS_HEIGHT 512u\n"
-        "#define BTF_TILES 81u\n#define BTF_CENTRE_ROWS 100u\n"
-        "#define BTF_RADIANCE_SCALE 1.0\n#define BTF_SHADOW_SCALE uintBitsToFloat(0x35808081u)\n"
-        "#define BTF_GAIN_SCALE 0.0078125\n#define BTF_CENTRE_SCALE uintBitsToFloat(0x35808081u)\n",
-        row[LAYOUT], row[DOMAIN], colour, colour == 2 ? 0 : 1 + row[LOBES], colour == 2 ? 0 : row[SHADOW],
-        row[SHIFT], row[HIDDEN] == 2, row[HIDDEN] > 0, row[GAIN], components[row[COMPONENTS]], row[NEAREST],
-        row[BILINEAR], row[FAST], row[PICKS]);
-}
 
 /* The whole fragment shader; the caller frees it. */
 static char *make_shader(const version *v, const uint8_t *row) {
@@ -139,13 +50,12 @@ static char *make_shader(const version *v, const uint8_t *row) {
         "    colour.xyz += btf_evaluate_stochastic_between(uv, l, v, level, random);\n"
         "    colour.xyz += btf_evaluate_radiance_blend_between(uv, l, v, level);\n"
         "}\n";
-    char options[2000], version_2[1000];
-    write_options(options, sizeof options, row);
-    write_version_2(version_2, sizeof version_2, row);
+    char macros[ROW_MACROS];
+    row_macros(row, macros);
     const char *library = btf_shader_library();
     const char *in = v->vulkan ? "#define IN(n) layout(location = n)\n" : "#define IN(n)\n";
-    const char *parts[] = {v->line, v->extra, options, version_2,
-                           in,      library,  "\n",    row[PICKS] ? stochastic_text : main_text};
+    const char *parts[] = {
+        v->line, v->extra, macros, in, library, "\n", row[PICKS] ? stochastic_text : main_text};
     size_t length = 1;
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
         length += strlen(parts[i]);
@@ -191,8 +101,8 @@ static int check_absence(const char *preprocessed, const uint8_t *row) {
     } effects[] = {
         {row[SHADOW] && row[COLOUR] != 2, {"btf_shadow_code", "btf_shadow_factor", NULL}},
         {row[HIDDEN] == 2, {"btf_centre_radiance", "btf_centre_index", "btf_centres"}},
-        {components[row[COMPONENTS]] > 0 && !has_factors(row), {"btf_residual", NULL, NULL}},
-        {has_factors(row), {"btf_factor", "s.horizon", NULL}},
+        {row_components(row) > 0 && !row_has_factors(row), {"btf_residual", NULL, NULL}},
+        {row_has_factors(row), {"btf_factor", "s.horizon", NULL}},
         {row[COLOUR] != 2, {"btf_lafortune", "btf_sbrdf", NULL}},
         {row[SHIFT], {"btf_wrap(x", NULL, NULL}},
         {row[GAIN], {"float(gain)", "float ( gain", NULL}},
@@ -297,46 +207,11 @@ static int check_rows(size_t count, uint8_t (*rows)[PAIRWISE_FACTORS]) {
     return wrong;
 }
 
-/* Rows in which every two settings meet. */
-static size_t pairs(size_t most, uint8_t (*rows)[PAIRWISE_FACTORS]) {
-    /* Every pair without packed points, then with them, which leave fewer layouts and hidden points. */
-    uint8_t fewer[FACTORS];
-    memcpy(fewer, levels, sizeof fewer);
-    fewer[POINTS] = fewer[RELIEF] = fewer[GLOSS] = fewer[STEEP] = 1;
-    size_t count = pairwise_rows(1, FACTORS, fewer, most, rows);
-    fewer[LAYOUT] = fewer[HIDDEN] = 1;
-    fewer[POINTS] = 2;
-    const size_t more = pairwise_rows(2, FACTORS, fewer, most - count, rows + count);
-    for (size_t i = 0; i < more; ++i, ++count) {
-        rows[count][LAYOUT] = 1;
-        rows[count][POINTS]++; /* packed, or in lists */
-    }
-    /* Then relief, gloss and the steep filter. */
-    memcpy(fewer, levels, sizeof fewer);
-    fewer[LAYOUT] = fewer[LOBES] = 1;
-    const size_t last = pairwise_rows(3, FACTORS, fewer, most - count, rows + count);
-    for (size_t i = 0; i < last; ++i, ++count) {
-        rows[count][LAYOUT] = 1;
-        rows[count][POINTS] = rows[count][HIDDEN] ? 0 : rows[count][POINTS];
-    }
-    return count;
-}
-
-/* Rows in which every four settings meet that can, none of them without effect on the text. */
-static size_t fours(size_t most, uint8_t (*rows)[PAIRWISE_FACTORS]) {
-    static const pairwise_need needs[] = {
-        {LOBES, COLOUR, 1 | 2}, {SHADOW, COLOUR, 1 | 2}, {STORE, COMPONENTS, 2 | 4 | 8},
-        {ROOTS, DOMAIN, 2},     {POINTS, LAYOUT, 2},     {POINTS, HIDDEN, 1},
-        {RELIEF, LAYOUT, 2},    {GLOSS, LAYOUT, 2},      {STEEP, LAYOUT, 2},
-        {STEEP, BILINEAR, 2},
-    };
-    return fourwise_rows(1, FACTORS, levels, needs, sizeof needs / sizeof *needs, most, rows);
-}
-
 int main(int argc, char **argv) {
     enum { MOST = 2000 };
     static uint8_t rows[MOST][PAIRWISE_FACTORS];
-    const size_t count = argc > 1 && strcmp(argv[1], "--long") == 0 ? fours(MOST, rows) : pairs(MOST, rows);
+    const size_t count =
+        argc > 1 && strcmp(argv[1], "--long") == 0 ? rows_of_fours(MOST, rows) : rows_of_pairs(MOST, rows);
     if (count == 0 || count == MOST) {
         fprintf(stderr, "rows: no memory for them, or more than %d\n", MOST);
         return 1;

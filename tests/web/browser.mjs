@@ -26,6 +26,13 @@ const CHROMIUM = ['--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=s
     '--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage', '--disable-gpu-watchdog',
     '--disable-hang-monitor'];
 
+/* WebGPU by software: Chromium's on SwiftShader, Firefox's on lavapipe. */
+const WEBGPU = {
+    chromium: ['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader'],
+    firefox: { 'dom.webgpu.enabled': true, 'gfx.webgpu.ignore-blocklist': true },
+};
+const LAVAPIPE = '/usr/share/vulkan/icd.d/lvp_icd.x86_64.json';
+
 const PACKAGES = { chromium: [['chromium', 'chromium']], firefox: [['firefox-esr', 'firefox-esr'], ['xvfb-run', 'xvfb'], ['xauth', 'xauth']] };
 
 /** Ends with a message where a program is missing: tests need it. */
@@ -40,9 +47,9 @@ export function needPrograms(browser) {
 
 function commandOf(browser, profile, url) {
     if (browser === 'chromium') {
-        return ['chromium', ...CHROMIUM, `--user-data-dir=${profile}`, url];
+        return ['chromium', ...CHROMIUM, ...WEBGPU.chromium, `--user-data-dir=${profile}`, url];
     }
-    writeFileSync(join(profile, 'user.js'), Object.entries(FIREFOX).map(([name, value]) => `user_pref("${name}", ${JSON.stringify(value)});\n`).join(''));
+    writeFileSync(join(profile, 'user.js'), Object.entries({ ...FIREFOX, ...WEBGPU.firefox }).map(([name, value]) => `user_pref("${name}", ${JSON.stringify(value)});\n`).join(''));
     return ['xvfb-run', '-a', 'firefox-esr', '--no-remote', '--new-instance', '--profile', profile, url];
 }
 
@@ -94,7 +101,7 @@ export async function runPage(browser, page, folders, posts, job) {
     });
     await new Promise((resolve) => { server.listen(0, '127.0.0.1', resolve); });
     const [command, ...args] = commandOf(browser, profile, `http://127.0.0.1:${server.address().port}${page}`);
-    const child = spawn(command, args, { stdio: ['ignore', 'pipe', 'pipe'], detached: true, env: { ...process.env, HOME: profile } });
+    const child = spawn(command, args, { stdio: ['ignore', 'pipe', 'pipe'], detached: true, env: { ...process.env, HOME: profile, VK_ICD_FILENAMES: LAVAPIPE } });
     let said = '';
     for (const stream of [child.stdout, child.stderr]) {
         stream.on('data', (data) => { said = (said + data).slice(-4000); });

@@ -1,4 +1,4 @@
-/* OpenBTF: the GLSL that decodes a material.
+/* OpenBTF: the GLSL or WGSL that decodes a material.
  *
  * The text is a library: no #version, no main, no uniform but its samplers (and, without `precise`, one
  * uint that stays 0). Put it behind your #version and #extension lines and in front of everything else of
@@ -27,7 +27,9 @@
  * with btf_random(uvec3(pixel, frame)) or blue noise of your own for the random numbers; the mean is
  * btf_evaluate_radiance_blend(uv, l, v). Both take a level as well, and _between takes btf_level() as it is.
  *
- * It works in GLSL 330 core to 460, ESSL 300 (WebGL2) to 320, and Vulkan GLSL. Code that a compiler finds unused
+ * It works in GLSL 330 core to 460, ESSL 300 (WebGL2) to 320, and Vulkan GLSL. For WebGPU, with BTF_LANGUAGE_WGSL, it is the
+ * same text in WGSL, made of the GLSL, with the same functions: fn btf_evaluate(uv: vec2f, l: vec3f, v: vec3f) -> vec3f. It
+ * needs no entry point, no extension and no order among your own declarations. Code that a compiler finds unused
  * costs nothing: an effect that is left out leaves no code and no fetch behind.
  *
  * No function here makes a GL call or compiles anything (gl.h uploads the textures).
@@ -70,6 +72,15 @@ typedef enum btf_bindings {
     BTF_BINDINGS_GL = 1,     /**< `layout(binding = n) uniform`: GLSL 420, ESSL 310 */
     BTF_BINDINGS_VULKAN = 2, /**< `layout(set = s, binding = n) uniform` */
 } btf_bindings;
+
+/** The language of the text. */
+typedef enum btf_language {
+    BTF_LANGUAGE_GLSL = 0, /**< GLSL, ESSL and Vulkan GLSL */
+    /** WebGPU's. Textures are `@group(descriptor_set) @binding(first_binding + id)`, read by textureLoad alone; with exact math
+     * `var<uniform> btf_zero: u32` has binding first_binding + BTF_TEXTURE_COUNT + 3: a buffer of 16 bytes, all 0, for WGSL
+     * has no `precise`. Members `bindings` and `have_precise` have no meaning. */
+    BTF_LANGUAGE_WGSL = 1,
+} btf_language;
 
 /** Directions that never change, a bit mask. The shader fetches no table for them: their neighbours are constants.
  * The direction handed to btf_evaluate must then be the fixed one, bit for bit. Where gloss is decoded, each view has
@@ -126,6 +137,7 @@ typedef struct btf_shader_options {
      * folded, bit for bit. A fixed view is used with BTF_FOLD_LIGHT and, where it is the one that was folded, with
      * BTF_FOLD_NEIGHBOURS; a fixed light, and with BTF_FOLD_BOTH a fixed view, are not. Not with picks. Default BTF_FOLD_NONE. */
     btf_fold fold;
+    btf_language language; /**< default GLSL */
 } btf_shader_options;
 
 /** @return a bit (1 << btf_texture_id) for each texture that the shader of these options reads. @p options may be
@@ -138,6 +150,14 @@ uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_opt
  * defined: btf_fold_check), BTF_ERROR_MEMORY. */
 btf_result btf_shader_source(const btf_material *material, const btf_shader_options *options,
                              const btf_log *log, char **out_text);
+
+/** WGSL of GLSL: of a text of BTF_ macros, then btf_shader_library() or btf_shader_self_test(), and functions of yours behind
+ * it in the part of GLSL that these are written in. The macro WGSL is defined, and ESSL 300 is assumed. A uniform needs
+ * `layout(set = s, binding = n)`, which BTF_UNIFORM(n) gives those of the library. In the result names that several functions
+ * share have the types of their parameters behind them (btf_mul_vec3f_f32); parameters that are `out` or `inout` are pointers.
+ * *out_text is freed with btf_free; NULL on error. @p log may be NULL. Errors: BTF_ERROR_UNSUPPORTED (something of GLSL that
+ * the decoder does not use; the message names the place), BTF_ERROR_MEMORY. */
+btf_result btf_shader_wgsl(const char *glsl, const btf_log *log, char **out_text);
 
 /** Random numbers of a counter, say column, row and frame of a pixel, the same as btf_random of the shader: PCG3D
  * (Jarzynski and Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020). */

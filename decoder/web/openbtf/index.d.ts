@@ -60,6 +60,12 @@ export interface ShaderOptions extends DecodeOptions {
      * btf_evaluate_stochastic(uv, l, v, random) stands in place of btf_evaluate.
      */
     picks?: 'none' | 'view' | 'light' | 'all';
+    /** GLSL for WebGL2 (default), or WGSL for WebGPU, which has the same functions. */
+    language?: 'glsl' | 'wgsl';
+    /** Of WGSL: the group of its resources. Default 0. */
+    group?: number;
+    /** Of WGSL: the binding of its first texture. The decoder takes 24 numbers from there on. Default 0. */
+    firstBinding?: number;
 }
 
 /** How to evaluate. */

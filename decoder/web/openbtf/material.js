@@ -11,6 +11,15 @@ export const FORMATS = [
     ['RGBA16UI', Uint16Array, 4], ['RGBA16F', Uint16Array, 4], ['RGBA32F', Float32Array, 4], ['RGBA32UI', Uint32Array, 4],
 ];
 
+/** Names of textures, by btf_texture_id. */
+export function textureNames() {
+    const names = [];
+    for (let name; (name = text(call('texture_name', names.length)));) {
+        names.push(name);
+    }
+    return names;
+}
+
 /* Bytes of btf_web_texture. */
 const TEXTURE_BYTES = 28;
 
@@ -73,7 +82,7 @@ export class Material {
         const read = options ? withMemory((allocate) => call('textures_read', address, putOptions(allocate, options))) : 0xFFFFFFFF;
         const components = options?.components ?? 0;
         const found = [];
-        for (let id = 0, name; (name = text(call('texture_name', id))); id++) {
+        for (const [id, name] of textureNames().entries()) {
             for (let level = 0; (read >>> id) & 1 && level < this.info.levels; level++) {
                 const record = call('get_texture', address, level, id, components);
                 const words = new Uint32Array(bytesAt(record, TEXTURE_BYTES).slice().buffer);

@@ -6,7 +6,7 @@
  */
 
 /* The interface that this file was written for: BTF_WEB_INTERFACE. */
-const INTERFACE = 1;
+const INTERFACE = 2;
 
 /** Names of the result codes, by number (openbtf/result.h). */
 const CODES = ['OK', 'USAGE', 'IO', 'BAD_FILE', 'INTERNAL', 'MEMORY', 'UNSUPPORTED', 'DIFFERENT', 'INTERRUPTED'];

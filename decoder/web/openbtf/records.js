@@ -12,10 +12,12 @@ const CHOICES = {
     filter: ['texel', 'bilinear', 'steep'],
     math: ['exact', 'fast'],
     picks: ['none', 'view', 'light', 'all'],
+    language: ['glsl', 'wgsl'],
 };
 
-/** Options of source() and of openbtf/webgl; evaluate() takes those in EVALUATE. */
-export const DECODE = ['leaveOut', 'components', 'interpolation', 'filter', 'math', 'havePrecise', 'prefix', 'fixedView', 'fixedLight', 'picks'];
+/** Options of source(), of openbtf/webgl and openbtf/webgpu; evaluate() takes those in EVALUATE. */
+export const DECODE = ['leaveOut', 'components', 'interpolation', 'filter', 'math', 'havePrecise', 'prefix', 'fixedView', 'fixedLight', 'picks',
+    'language', 'group', 'firstBinding'];
 export const EVALUATE = ['leaveOut', 'components', 'interpolation', 'filter', 'picks', 'level', 'reference', 'random'];
 
 function usage(message) {
@@ -122,13 +124,14 @@ export function putOptions(allocate, options = {}, names = DECODE) {
     if (prefix !== undefined && typeof prefix !== 'string') {
         throw usage('option prefix: not a string');
     }
-    const words = new Words(15)
+    const words = new Words(18)
         .integers(effectBits('option leaveOut', options.leaveOut), whole('option components', options.components))
         .integers(choice('interpolation', options.interpolation), choice('filter', options.filter))
         .integers(choice('math', options.math), options.havePrecise ? 1 : 0, (fixedView ? 1 : 0) | (fixedLight ? 2 : 0))
         .floats(...(fixedView ? vector('option fixedView', fixedView, 3) : [0, 0, 0]))
         .floats(...(fixedLight ? vector('option fixedLight', fixedLight, 3) : [0, 0, 0]))
-        .integers(choice('picks', options.picks))
+        .integers(choice('picks', options.picks), choice('language', options.language))
+        .integers(whole('option group', options.group), whole('option firstBinding', options.firstBinding))
         .integers(prefix === undefined ? 0 : put(allocate, new TextEncoder().encode(`${prefix}\0`)));
     return put(allocate, words.bytes());
 }

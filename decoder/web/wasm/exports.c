@@ -14,7 +14,7 @@
 #include <string.h>
 
 /* module.js writes these records word by word. */
-_Static_assert(sizeof(btf_web_options) == 15 * 4, "words of options");
+_Static_assert(sizeof(btf_web_options) == 18 * 4, "words of options");
 _Static_assert(sizeof(btf_web_scene) == 20 * 4, "words of a scene");
 _Static_assert(sizeof(btf_web_evaluations) == 9 * 4, "words of evaluations");
 _Static_assert(sizeof(btf_web_texture) == 7 * 4, "words of a texture");
@@ -182,7 +182,10 @@ static btf_shader_options shader_options(const btf_web_options *o) {
                               .have_precise = (int)o->have_precise,
                               .prefix = o->prefix,
                               .fixed = o->fixed,
-                              .picks = (btf_picks)o->picks};
+                              .picks = (btf_picks)o->picks,
+                              .language = (btf_language)o->language,
+                              .descriptor_set = o->descriptor_set,
+                              .first_binding = o->first_binding};
     memcpy(out.fixed_view, o->fixed_view, sizeof out.fixed_view);
     memcpy(out.fixed_light, o->fixed_light, sizeof out.fixed_light);
     return out;
@@ -209,6 +212,15 @@ const char *btf_web_source(const btf_web_material *material, const btf_web_optio
 
 BTF_WEB_EXPORT(btf_web_self_test_source) const char *btf_web_self_test_source(void) {
     return btf_shader_self_test();
+}
+
+BTF_WEB_EXPORT(btf_web_self_test_wgsl) const char *btf_web_self_test_wgsl(void) {
+    static char *kept;
+    btf_free(kept);
+    kept = NULL;
+    begin();
+    end(btf_shader_wgsl(btf_shader_self_test(), &error_log, &kept));
+    return kept;
 }
 
 BTF_WEB_EXPORT(btf_web_self_test_names) const char *btf_web_self_test_names(uint32_t failures) {

@@ -17,24 +17,26 @@
 #define BTF_WEB_EXPORT(name) __attribute__((export_name(#name)))
 
 /** Number of this interface: the two sides refuse to work with another one's. */
-#define BTF_WEB_INTERFACE 1
+#define BTF_WEB_INTERFACE 2
 
 /** An open material and what was made of it. */
 typedef struct btf_web_material btf_web_material;
 
 /** How to decode: btf_shader_options, in words of 32 bits. */
 typedef struct btf_web_options {
-    uint32_t leave_out;     /**< btf_effect bits */
-    uint32_t components;    /**< at most so many; 0: all */
-    uint32_t interpolation; /**< btf_interpolation */
-    uint32_t filter;        /**< btf_filter */
-    uint32_t math;          /**< btf_math */
-    uint32_t have_precise;  /**< 0 or 1 */
-    uint32_t fixed;         /**< btf_fixed bits */
-    float fixed_view[3];    /**< unit, of the tangent frame */
-    float fixed_light[3];   /**< unit, of the tangent frame */
-    uint32_t picks;         /**< btf_picks */
-    const char *prefix;     /**< of names; NULL: "btf" */
+    uint32_t leave_out;                     /**< btf_effect bits */
+    uint32_t components;                    /**< at most so many; 0: all */
+    uint32_t interpolation;                 /**< btf_interpolation */
+    uint32_t filter;                        /**< btf_filter */
+    uint32_t math;                          /**< btf_math */
+    uint32_t have_precise;                  /**< 0 or 1 */
+    uint32_t fixed;                         /**< btf_fixed bits */
+    float fixed_view[3];                    /**< unit, of the tangent frame */
+    float fixed_light[3];                   /**< unit, of the tangent frame */
+    uint32_t picks;                         /**< btf_picks */
+    uint32_t language;                      /**< btf_language */
+    uint32_t descriptor_set, first_binding; /**< of WGSL */
+    const char *prefix;                     /**< of names; NULL: "btf" */
 } btf_web_options;
 
 /** btf_range in words of 32 bits. */
@@ -119,11 +121,14 @@ const char *btf_web_texture_name(uint32_t id);
 /** @return a bit (1 << btf_texture_id) for each texture that the shader of these options reads. */
 uint32_t btf_web_textures_read(const btf_web_material *material, const btf_web_options *options);
 
-/** @return the GLSL of btf_shader_source(); NULL where that fails. It lasts until the next call. */
+/** @return the text of btf_shader_source(); NULL where that fails. It lasts until the next call. */
 const char *btf_web_source(const btf_web_material *material, const btf_web_options *options);
 
 /** @return the GLSL with `uint btf_self_test(uint zero)`, static. */
 const char *btf_web_self_test_source(void);
+
+/** @return the same in WGSL, with the zero at binding 23 of group 0; NULL where that fails. It lasts until the next call. */
+const char *btf_web_self_test_wgsl(void);
 
 /** @return the names of self-test bits, comma-separated. */
 const char *btf_web_self_test_names(uint32_t failures);

@@ -1,0 +1,98 @@
+/* What the parsers of declarations, statements and expressions share.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "parser.h"
+
+#include <stdio.h>
+
+enum { DEEPEST = 200 };
+
+void btfi_parse_fail(btfi_parser *p, const char *what) {
+    if (p->result == BTF_OK) {
+        const btfi_token *t = btfi_peek(p);
+        p->result = BTF_ERROR_UNSUPPORTED;
+        snprintf(p->message, p->message_size, "%s at \"%.*s\"", what, t->length < 60 ? (int)t->length : 60,
+                 t->text);
+        p->at = p->count - 1;
+    }
+}
+
+const btfi_token *btfi_peek(const btfi_parser *p) {
+    return &p->tokens[p->at];
+}
+
+int btfi_next_is(const btfi_parser *p, const char *text) {
+    return btfi_token_is(&p->tokens[p->at], text);
+}
+
+btfi_token btfi_take(btfi_parser *p) {
+    const btfi_token t = p->tokens[p->at];
+    p->at += p->at + 1 < p->count;
+    return t;
+}
+
+int btfi_accept(btfi_parser *p, const char *text) {
+    if (!btfi_next_is(p, text)) {
+        return 0;
+    }
+    btfi_take(p);
+    return 1;
+}
+
+void btfi_expect(btfi_parser *p, const char *text) {
+    if (!btfi_accept(p, text)) {
+        char what[60];
+        snprintf(what, sizeof what, "\"%s\" is expected", text);
+        btfi_parse_fail(p, what);
+    }
+}
+
+int btfi_deeper(btfi_parser *p) {
+    if (++p->depth > DEEPEST) {
+        btfi_parse_fail(p, "brackets or statements too deep in one another");
+        return 0;
+    }
+    return 1;
+}
+
+uint32_t btfi_new_node(btfi_parser *p, btfi_node_kind kind, btfi_token token) {
+    btfi_tree *t = p->tree;
+    if (p->result != BTF_OK) {
+        return 0;
+    }
+    if (t->n_nodes == t->most) {
+        btfi_parse_fail(p, "too many nodes");
+        return 0;
+    }
+    t->nodes[t->n_nodes] = (btfi_node){.kind = kind, .token = token};
+    return t->n_nodes++;
+}
+
+uint32_t btfi_new_symbol(btfi_parser *p, btfi_token name, btfi_type type) {
+    btfi_tree *t = p->tree;
+    if (p->result == BTF_OK && name.kind != BTFI_TOKEN_NAME) {
+        btfi_parse_fail(p, "a name is expected before what stands");
+    }
+    if (p->result != BTF_OK || t->n_symbols == t->most) {
+        btfi_parse_fail(p, "too many names");
+        return 0;
+    }
+    t->symbols[t->n_symbols] = (btfi_symbol){.name = name, .type = type};
+    return t->n_symbols++;
+}
+
+void btfi_show(btfi_parser *p, uint32_t symbol) {
+    if (p->result == BTF_OK) {
+        p->visible[p->n_visible++] = symbol; /* as long as the list of symbols */
+    }
+}
+
+int32_t btfi_find_struct(const btfi_tree *tree, const btfi_token *name) {
+    for (uint32_t i = 0; i < tree->n_structs; ++i) {
+        if (btfi_tokens_equal(&tree->structs[i].name, name)) {
+            return (int32_t)i;
+        }
+    }
+    return -1;
+}

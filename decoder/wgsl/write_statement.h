@@ -1,0 +1,13 @@
+/* Writes statements in WGSL.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_WGSL_WRITE_STATEMENT_H
+#define OPENBTF_WGSL_WRITE_STATEMENT_H
+
+#include "writer.h"
+
+/* The statements of a block, a line each, without its braces. */
+void btfi_write_statements(btfi_writer *w, uint32_t block);
+
+#endif
