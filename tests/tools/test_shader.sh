@@ -99,6 +99,7 @@ expect 'fewer units' 0 btf-shader "$file" -l glsl450 --components 1 -o units -q
 expect 'no residual' 0 btf-shader "$file" -l glsl450 --components 0 -o bare -q
 expect 'another prefix, bindings and set' 0 btf-shader "$file" -l vulkan --prefix two --first-binding 7 --set 3 -o two -q
 expect 'fast math' 0 btf-shader "$file" -l glsl330 --math fast -o fast -q
+expect 'WGSL' 0 btf-shader "$file" -l wgsl --set 1 --first-binding 4 --prefix web -o web -q
 cat >manifests.py <<'P'
 import json, os
 def manifest(folder):
@@ -111,7 +112,7 @@ def manifest(folder):
         assert f["signature"] in text and f["name"] + "(" in f["signature"], f
     assert {f["name"].split("_", 1)[1] for f in m["shader"]["functions"]} == {"evaluate", "evaluate_nearest", "evaluate_level", "level"}
     assert m["texture_bytes"] == sum(l["bytes"] for t in m["textures"] for l in t["levels"])
-    assert ("zero" in m["shader"]) == (m["shader"]["language"] in ("glsl330", "essl300", "essl310") and m["options"]["math"] == "exact")
+    assert ("zero" in m["shader"]) == (m["shader"]["language"] in ("glsl330", "essl300", "essl310", "wgsl") and m["options"]["math"] == "exact")
     return m
 whole, units, bare, two = manifest("again"), manifest("units"), manifest("bare"), manifest("two")
 assert whole["shader"]["zero"] == {"uniform": "btf_zero", "type": "uint", "value": 0}
@@ -122,6 +123,15 @@ assert "residual" not in bare["options"]["effects"] and "residual" in bare["mate
 assert [t["set"] for t in two["textures"]] == [3] * len(two["textures"]) and two["textures"][0]["binding"] >= 7
 assert all(t["sampler"] == "two_" + t["name"] for t in two["textures"])
 assert "zero" not in manifest("fast")["shader"]
+web = manifest("web")
+with open("web/decode.wgsl") as file:
+    text = file.read()
+for t in web["textures"]: # every texture is declared where the manifest says, as is the zero
+    assert any(f'@group({t["set"]}) @binding({t["binding"]}) var {t["sampler"]}:' in line for line in text.splitlines()), t["name"]
+zero = web["shader"]["zero"]
+assert f'@group({zero["set"]}) @binding({zero["binding"]}) var<uniform> {zero["uniform"]}: u32' in text, zero
+assert text.count("@binding(") == len(web["textures"]) + 1
+assert web["shader"]["functions"][0]["signature"].startswith("fn web_evaluate(") and web["shader"]["functions"][0]["signature"].endswith("vec3f")
 plan = manifest("plan")["plan"]
 assert plan["whole_gpu_bytes"] > 0 and plan["level"] >= 0
 P

@@ -55,9 +55,11 @@ static const language_facts facts[] = {
          "spvFMul and spvFAdd, through which every sum and product of the decoder goes, are to keep its\n"
          "bits.",
          "texture index", BTF_BINDINGS_VULKAN, false},
-    [LANGUAGE_WGSL] = {"wgsl", "decode.wgsl", "",
-                       "WGSL: a library of functions. It stands in front of your own text.",
-                       "of a texture in group `set`", BTF_BINDINGS_VULKAN, false},
+    [LANGUAGE_WGSL] =
+        {"wgsl", "decode.wgsl", "",
+         "WGSL, the language of WebGPU: a library of functions, to be joined with your own text in any\n"
+         "order.",
+         "of a texture in group `set`", BTF_BINDINGS_NONE, true},
 };
 
 const language_facts *language_facts_of(language l) {
@@ -98,11 +100,6 @@ static btf_result comment(language l, const char *prefix, char *body, const btf_
     return BTF_OK;
 }
 
-static btf_result wgsl(const btf_log *log) {
-    file_say(log, "option --language: this build of libopenbtf writes no WGSL");
-    return BTF_ERROR_UNSUPPORTED;
-}
-
 btf_result language_write(language l, const btf_material *material, const btf_shader_options *options,
                           const btf_log *log, char **out_data, size_t *out_size) {
     btf_shader_options wanted = *options;
@@ -111,9 +108,7 @@ btf_result language_write(language l, const btf_material *material, const btf_sh
     size_t count = 0;
     *out_data = NULL;
     wanted.bindings = facts[l].bindings;
-    if (l == LANGUAGE_WGSL) {
-        return wgsl(log);
-    }
+    wanted.language = l == LANGUAGE_WGSL ? BTF_LANGUAGE_WGSL : BTF_LANGUAGE_GLSL;
     btf_result result = btf_shader_source(material, &wanted, log, &decoder);
     const translate_source source = {.decoder = decoder,
                                      .prefix = wanted.prefix,

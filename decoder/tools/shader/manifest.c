@@ -87,7 +87,10 @@ static char *signature(const char *text, const char *prefix, const char *functio
         }
         if (line < at && isalpha((unsigned char)*line) && at[-1] == ' ') {
             const char *end = strchr(at, l == LANGUAGE_WGSL ? '{' : ')');
-            const size_t length = end ? (size_t)(end - line) + (l != LANGUAGE_WGSL) : 0;
+            size_t length = end ? (size_t)(end - line) + (l != LANGUAGE_WGSL) : 0;
+            while (length > 0 && line[length - 1] == ' ') {
+                length--;
+            }
             char *head = end ? strndup(line, length) : NULL;
             for (char *c = head; c && *c; c++) {
                 *c = *c == '\n' ? ' ' : *c;
@@ -135,8 +138,13 @@ static void write_shader(json *j, const manifest *m) {
         snprintf(name, sizeof name, "%s_zero", m->options->prefix);
         json_object(j, "zero");
         json_string(j, "uniform", name);
-        json_string(j, "type", "uint");
+        json_string(j, "type", m->language == LANGUAGE_WGSL ? "u32" : "uint");
         json_integer(j, "value", 0);
+        if (m->language == LANGUAGE_WGSL) { /* openbtf/shader.h, BTF_LANGUAGE_WGSL */
+            json_integer(j, "set", (int64_t)m->options->descriptor_set);
+            json_integer(j, "binding", (int64_t)m->options->first_binding + BTF_TEXTURE_COUNT + 3);
+            json_integer(j, "buffer_bytes", 16);
+        }
         json_end(j);
     }
     json_end(j);

@@ -94,6 +94,10 @@ if [ "${1:-}" = --table ]; then
     btf-shader "$golden/v2-all.btf.exr" -l msl -o folder -q || exit 2
     printf '| `msl` | nothing: no free compiler | nothing; protected operations are counted in the text | | %s |\n' \
         "$(stat -c %s folder/decode.metal | sed ':a;s/\B[0-9]\{3\}\>/,&/;ta')"
+    rm -rf folder
+    btf-shader "$golden/v2-all.btf.exr" -l wgsl -o folder -q || exit 2
+    printf '| `wgsl` | browsers | WebGPU of browsers, by `tests/web`: the same text of the library | | %s |\n' \
+        "$(stat -c %s folder/decode.wgsl | sed ':a;s/\B[0-9]\{3\}\>/,&/;ta')"
     exit
 fi
 
