@@ -27,7 +27,7 @@ HOUSE = [
       'tests/conformance tests/sample',
       'tests/support']],
     [['encoder/btf-encode.c encoder/btf-compare.c decoder/tools/btf-info.c decoder/tools/btf-decode.c '
-      'decoder/tools/render/btf-render.c decoder/tools/view/btf-view.c decoder/examples decoder/web/wasm',
+      'decoder/tools/render/btf-render.c decoder/tools/view/btf-view.c decoder/tools/shader/btf-shader.c decoder/examples decoder/web/wasm',
       'decoder/tools/original']],
     [['encoder/job',
       'encoder/report',
@@ -41,7 +41,7 @@ HOUSE = [
       'encoder/base encoder/math'],
      ['decoder/tools/view',
       'decoder/tools/render',
-      'decoder/tools/context decoder/tools/info decoder/tools/mesh']],
+      'decoder/tools/context decoder/tools/info decoder/tools/mesh decoder/tools/shader']],
     [['decoder/toolkit',
       'decoder/pixels',
       'decoder',

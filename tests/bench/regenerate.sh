@@ -26,6 +26,7 @@ shared=${BTF_SHARED:-$root/../shared}/data
 # and pages that are made as a whole.
 writes='api      decoder/API.md
 example  decoder/FORMAT.md#example
+languages shaders/README.md#languages
 levels   decoder/README.md#levels levels-off.png levels-on.png
 viewer   viewer.png
 between  README.md#headline between.png
@@ -109,6 +110,13 @@ needs() { # FILE...: of the samples of others; false, with a line, where one is 
 
 part_api() { python3 "$root/tests/api.py" "$root" --write; }
 part_example() { "$root/tests/unit/decoder/example.py" "$build/tests/unit/example_file" "$root/decoder/FORMAT.md" --write; }
+part_languages() {
+    {
+        echo '<!-- languages: written by tests/bench/regenerate.sh -->'
+        BTF_SOURCE_ROOT=$root BTF_BUILD_ROOT=$build "$root/tests/conformance/shader/test_shader.sh" --table
+        echo '<!-- /languages -->'
+    } | "$root/tests/bench/marks.py" "$root/shaders/README.md" languages
+}
 part_levels() {
     "$pictures/make.sh" "$build" "$work/levels-$(commit)" levels
     btf-info --json "$work/levels-$(commit)/bricks.btf.exr" >"$work/levels.json"
@@ -256,6 +264,7 @@ targets_of() { # a part: its programs
     case $1 in
     api) ;;
     example) echo tests/unit/example_file ;;
+    languages) echo decoder/tools/shader/btf-shader tests/conformance/shader/run_shader ;;
     levels) echo encoder/btf-encode decoder/tools/{btf-info,render/btf-render} tests/sample/btf-sample ;;
     viewer) echo encoder/btf-encode decoder/tools/view/btf-view tests/sample/btf-sample ;;
     pathtrace) echo encoder/btf-encode decoder/examples/pathtrace ;;

@@ -23,7 +23,7 @@ unset PKG_CONFIG_PATH
 
 (cd "$prefix" && find . ! -type d | sed -e "s|^\./||" -e "s|^${libdir#"$prefix"/}|LIB|" -e 's|^lib/python3[^/]*/[a-z]*-packages|PYTHON|' | sort) >files
 {
-    printf 'bin/btf-%s\n' bench compare conform decode encode info render sample view
+    printf 'bin/btf-%s\n' bench compare conform decode encode info render sample shader view
     printf 'include/openbtf/%s.h\n' compat/btf_reference cost evaluate fold gl input material plan reference \
         result sampling shader
     printf 'LIB/%s\n' libopenbtf{,_input,_reference}.so{,.0.2,.0.2.0} pkgconfig/openbtf{,-input,-reference}.pc

@@ -1,0 +1,201 @@
+/* A folder that is whole or absent. See folder.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "folder.h"
+
+#include "decoder/toolkit/file.h"
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct folder {
+    char path[PATH_MAX], temporary[PATH_MAX], file[PATH_MAX];
+    folder_is_ours *is_ours;
+    btf_log log;
+    bool there; /* something is to be replaced */
+};
+
+static bool is_dot(const char *name) {
+    return !strcmp(name, ".") || !strcmp(name, "..");
+}
+
+/* A folder, with the files in it that are ours. Links are not followed. */
+static void remove_folder(const char *path, folder_is_ours *is_ours) {
+    DIR *listing = opendir(path);
+    if (listing) {
+        for (struct dirent *entry; (entry = readdir(listing));) {
+            if (is_ours(entry->d_name) || entry->d_name[0] == '.') { /* or the temporary file of one */
+                unlinkat(dirfd(listing), entry->d_name, 0);
+            }
+        }
+        closedir(listing);
+    }
+    rmdir(path);
+}
+
+/* Temporary folders of this name whose processes are dead. */
+static void remove_stale(const char *parent, const char *name, folder_is_ours *is_ours) {
+    DIR *listing = opendir(parent);
+    char path[PATH_MAX];
+    const size_t length = strlen(name);
+    if (!listing) {
+        return;
+    }
+    for (struct dirent *entry; (entry = readdir(listing));) {
+        char *end;
+        if (entry->d_name[0] != '.' || strncmp(entry->d_name + 1, name, length) != 0 ||
+            entry->d_name[1 + length] != '.') {
+            continue;
+        }
+        const long pid = strtol(entry->d_name + 2 + length, &end, 10);
+        if (pid > 0 && !strcmp(end, ".tmp") && kill((pid_t)pid, 0) != 0 && errno == ESRCH &&
+            snprintf(path, sizeof path, "%s/%s", parent, entry->d_name) < (int)sizeof path) {
+            remove_folder(path, is_ours);
+        }
+    }
+    closedir(listing);
+}
+
+/* What is at the path must be a folder that may be replaced. */
+static btf_result check_place(folder *f, bool replace) {
+    struct stat status;
+    if (lstat(f->path, &status) != 0) {
+        return BTF_OK;
+    }
+    DIR *listing = S_ISDIR(status.st_mode) ? opendir(f->path) : NULL;
+    if (!listing) {
+        file_say(&f->log, "%s: %s", f->path,
+                 S_ISDIR(status.st_mode) ? strerror(errno)
+                                         : "is there, and is no folder; it is not replaced");
+        return BTF_ERROR_IO;
+    }
+    char stranger[256] = "";
+    bool empty = true;
+    for (struct dirent *entry; (entry = readdir(listing));) {
+        if (!is_dot(entry->d_name)) {
+            empty = false;
+            if (!f->is_ours(entry->d_name)) {
+                snprintf(stranger, sizeof stranger, "%s", entry->d_name);
+            }
+        }
+    }
+    closedir(listing);
+    f->there = !empty;
+    if (!empty && !replace) {
+        file_say(&f->log, "%s: the folder is there; --force replaces it", f->path);
+        return BTF_ERROR_IO;
+    }
+    if (stranger[0]) {
+        file_say(&f->log, "%s: holds '%s', which btf-shader does not write; the folder is not replaced",
+                 f->path, stranger);
+        return BTF_ERROR_IO;
+    }
+    return BTF_OK;
+}
+
+btf_result folder_open(const char *path, bool replace, folder_is_ours *is_ours, const btf_log *log,
+                       folder **out_folder) {
+    *out_folder = NULL;
+    folder *f = calloc(1, sizeof *f);
+    if (!f) {
+        file_say(log, "%s: out of memory", path);
+        return BTF_ERROR_MEMORY;
+    }
+    f->is_ours = is_ours;
+    f->log = *log;
+    size_t length = strlen(path);
+    while (length > 1 && path[length - 1] == '/') {
+        length--;
+    }
+    char parent[PATH_MAX];
+    const bool fits = length < sizeof f->path - 64;
+    if (fits) {
+        memcpy(f->path, path, length);
+    }
+    const char *slash = strrchr(f->path, '/'), *name = slash ? slash + 1 : f->path;
+    snprintf(parent, sizeof parent, "%.*s", slash ? (int)(slash - f->path) : 1, slash ? f->path : ".");
+    if (slash == f->path) {
+        snprintf(parent, sizeof parent, "/");
+    }
+    if (!fits || !*name || is_dot(name) ||
+        snprintf(f->temporary, sizeof f->temporary, "%s/.%s.%ld.tmp", parent, name, (long)getpid()) >=
+            (int)sizeof f->temporary) {
+        file_say(log, "%.200s: not the name of a folder that can be made", path);
+        free(f);
+        return BTF_ERROR_IO;
+    }
+    btf_result result = check_place(f, replace);
+    if (!result) {
+        remove_stale(parent, name, is_ours);
+        if (mkdir(f->temporary, 0777) != 0) {
+            file_say(log, "%s: cannot make the folder: %s", f->path, strerror(errno));
+            result = BTF_ERROR_IO;
+        }
+    }
+    if (result) {
+        free(f);
+    } else {
+        *out_folder = f;
+    }
+    return result;
+}
+
+const char *folder_file(folder *f, const char *name) {
+    const int length = snprintf(f->file, sizeof f->file, "%s/%s", f->temporary, name);
+    return length < (int)sizeof f->file ? f->file : NULL;
+}
+
+/* The new folder and the one that is there change places: in one step where the file system can, else in three, between
+ * which nothing is at the path. */
+static int exchange(folder *f) {
+    if (renameat2(AT_FDCWD, f->temporary, AT_FDCWD, f->path, RENAME_EXCHANGE) == 0) {
+        return 0;
+    }
+    if (errno != EINVAL && errno != ENOSYS) {
+        return -1;
+    }
+    char old[PATH_MAX + 8];
+    snprintf(old, sizeof old, "%s.old", f->temporary);
+    if (rename(f->path, old) != 0) {
+        return -1;
+    }
+    if (rename(f->temporary, f->path) != 0) {
+        const int error = errno;
+        (void)!rename(old, f->path);
+        errno = error;
+        return -1;
+    }
+    return rename(old, f->temporary);
+}
+
+btf_result folder_commit(folder **folder_to_commit) {
+    folder *f = *folder_to_commit;
+    const int failed =
+        f->there ? exchange(f) : rename(f->temporary, f->path); /* an empty one is replaced by rename */
+    const btf_result result = failed ? BTF_ERROR_IO : BTF_OK;
+    if (failed) {
+        file_say(&f->log, "%s: cannot rename %s: %s", f->path, f->temporary, strerror(errno));
+    }
+    if (failed || f->there) {
+        remove_folder(f->temporary, f->is_ours);
+    }
+    free(f);
+    *folder_to_commit = NULL;
+    return result;
+}
+
+void folder_abort(folder **f) {
+    if (f && *f) {
+        remove_folder((*f)->temporary, (*f)->is_ours);
+        free(*f);
+        *f = NULL;
+    }
+}

@@ -1,0 +1,32 @@
+/* A folder of files that is whole or absent: it is filled under a temporary name beside its place, then renamed.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_SHADER_FOLDER_H
+#define OPENBTF_SHADER_FOLDER_H
+
+#include <openbtf/result.h>
+#include <stdbool.h>
+
+typedef struct folder folder;
+
+/* Whether a file of this name is one that the caller writes: a folder is only replaced that holds no others. */
+typedef bool folder_is_ours(const char *name);
+
+/* Makes the temporary folder `.NAME.PID.tmp` beside `path`, and removes those that dead processes left. Where `path`
+ * is there: with `replace` it must be a folder that holds nothing but files of ours, without it an empty one. Errors, on
+ * the log: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
+btf_result folder_open(const char *path, bool replace, folder_is_ours *is_ours, const btf_log *log,
+                       folder **out_folder);
+
+/* The path of a file in the folder while it is being filled; valid until the next call. NULL where it is too long. */
+const char *folder_file(folder *f, const char *name);
+
+/* Renames the folder to its place, where the one that was there is exchanged for it and removed; nulls *f. On failure all
+ * is as it was before. Errors, on the log: BTF_ERROR_IO. */
+btf_result folder_commit(folder **f);
+
+/* Removes the temporary folder and nulls *f. Accepts NULL inside. */
+void folder_abort(folder **f);
+
+#endif
