@@ -131,39 +131,45 @@ export function effectCosts(material, quality, options) {
 }
 
 const SIDE = 512; // of the picture that times are told of
+const LARGE = 256, SMALL = 128; // of those that are timed
+const ROUNDS = 3;
+
+/* Milliseconds of `repeats` samples in a row, until the device is done with them. */
+async function timeSamples(renderer, state, side, repeats) {
+    const begun = performance.now();
+    for (let i = 0; i < repeats; i++) {
+        renderer.drawSample(state, side, side, 0);
+    }
+    const done = renderer.fence();
+    while (!done()) {
+        await new Promise((resolve) => { setTimeout(resolve, 1); });
+    }
+    return performance.now() - begun;
+}
 
 /**
- * Times pictures of states, one after the other and in turn, so that what else the device does falls on all.
+ * Times pictures of states in turn, so that what else the device does falls on all.
  * @param states of which the first is compared with each other
- * @param progress called with how many of how many pictures are drawn
- * @returns milliseconds of a picture of 512 x 512 of each, the median
+ * @param progress called with how many of how many times are taken
+ * @returns milliseconds of a picture of 512 x 512 of each, the median of three
  */
-export async function timeStates(renderer, states, pixelMs, progress) {
-    const side = pixelMs * 256 * 256 > 60 ? 96 : 256;
+export async function timeStates(renderer, states, progress) {
     const times = states.map(() => []);
-    const frame = () => new Promise((resolve) => { requestAnimationFrame(resolve); });
-    // pictures in one go, so that a quick device's time is more than a frame of the screen
-    const repeats = Math.min(Math.max(Math.round(50 / Math.max(pixelMs * side * side, 0.5)), 1), 64);
-    renderer.resize(Math.max(side, 1), side);
     for (const state of states) {
         while (!renderer.prepare(state)) {
-            await frame();
+            await new Promise((resolve) => { requestAnimationFrame(resolve); });
         }
     }
-    const rounds = 4; // of which the first warms up
-    for (let round = 0; round < rounds; round++) {
+    renderer.resize(LARGE, LARGE);
+    await timeSamples(renderer, states[0], LARGE, 1); // warms up
+    const first = await timeSamples(renderer, states[0], LARGE, 1);
+    // a slow device draws fewer pixels; a quick one several pictures, for its clock tells a few milliseconds only
+    const side = first > 60 ? SMALL : LARGE, repeats = Math.round(Math.min(Math.max(80 / Math.max(first, 0.5), 1), 64));
+    for (let round = 0; round < ROUNDS; round++) {
         for (const [index, state] of states.entries()) {
-            const begun = performance.now();
-            for (let i = 0; i < repeats; i++) {
-                renderer.drawSample(state, side, side, 0);
-            }
-            const done = renderer.fence();
-            while (!done()) {
-                await new Promise((resolve) => { setTimeout(resolve, 1); });
-            }
-            times[index].push(((performance.now() - begun) / repeats) * (SIDE / side) ** 2);
-            progress(round * states.length + index + 1, rounds * states.length);
+            times[index].push(((await timeSamples(renderer, state, side, repeats)) / repeats) * (SIDE / side) ** 2);
+            progress(round * states.length + index + 1, ROUNDS * states.length);
         }
     }
-    return times.map((list) => list.slice(1).sort((a, b) => a - b)[1]);
+    return times.map((list) => list.sort((a, b) => a - b)[1]);
 }

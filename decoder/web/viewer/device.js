@@ -28,8 +28,10 @@ export function verdict({ failures, names }) {
 
 /** What draws, as the browser tells it. */
 export function deviceName(gl) {
-    const extension = gl.getExtension('WEBGL_debug_renderer_info');
-    return String(gl.getParameter(extension ? extension.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+    const name = String(gl.getParameter(gl.RENDERER));
+    // Firefox says it there already, and warns of those who ask for more
+    const extension = /^WebKit/.test(name) ? gl.getExtension('WEBGL_debug_renderer_info') : null;
+    return extension ? String(gl.getParameter(extension.UNMASKED_RENDERER_WEBGL)) : name;
 }
 
 /** Limits that a material may meet. */

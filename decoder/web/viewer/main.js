@@ -110,6 +110,8 @@ function changed(what) {
     if (ONLY_SHOWN.includes(what)) {
         stage.reshow();
     } else {
+        note('state', 'moving');
+        note('samples', 0);
         stage.change();
     }
     keepLink();
@@ -209,7 +211,7 @@ async function measure() {
     stage.pause();
     try {
         const [now, ...others] = await timeStates(renderer, [plain, ...costly.map((effect) => ({ ...plain, out: flip(effect) }))],
-            stage.time(1), (done, of) => { button.textContent = `Measuring, ${done} of ${of}`; });
+            (done, of) => { button.textContent = `Measuring, ${done} of ${of}`; });
         times = { '': now };
         costly.forEach((effect, i) => { times[effect] = state.out.includes(effect) ? others[i] - now : now - others[i]; });
         note('measured', now.toFixed(2));
@@ -363,9 +365,9 @@ async function run() {
     ball = new Ball(byId('ball'), state, changed);
     splitLine = new SplitLine(byId('split-line'), byId('stage'), state, changed);
     await load(await moduleBytes());
+    await showFromPage(state.material);
     listen();
     listenLoss();
-    await showFromPage(state.material);
     await new Promise((resolve) => { setTimeout(resolve, 300); });
     await testDevice();
 }

@@ -63,6 +63,9 @@ function textOf(control, value) {
     if (control.dataset.log) {
         return `${value.toFixed(value < 10 ? 2 : 1)}×`;
     }
+    if (control.dataset.unit === '°') {
+        return `${Math.round(value)}°`;
+    }
     const text = control.dataset.signed !== undefined ? signed(value, 2) : String(Number(value.toFixed(2)));
     return text + (control.dataset.unit ?? '');
 }
@@ -149,8 +152,8 @@ export class Panel {
             ['Texels', `${info.width} × ${info.height}${info.levels > 1 ? `, ${info.levels} levels` : ''}`],
             ['Directions', `${info.viewCount} views × ${info.lightCount} lights`],
             ['On the GPU', bytesText(textureBytes)],
-            ['PSNR at the samples', full.samples === undefined ? 'not in the file' : decibels(full.samples)],
-            ['Between them, estimated', full.between === undefined ? 'not in the file' : decibels(full.between)],
+            ['PSNR at samples', full.samples === undefined ? 'not in the file' : decibels(full.samples)],
+            ['Between, estimated', full.between === undefined ? 'not in the file' : decibels(full.between)],
             ['Encoded by', `${info.method || 'unknown'}, format ${info.version}`],
         ];
         byId('facts').replaceChildren(...facts.flatMap(([name, value]) => [element('dt', {}, name), element('dd', {}, value)]));

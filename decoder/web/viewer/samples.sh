@@ -15,7 +15,7 @@ trap 'rm -rf "$work"' EXIT
 sample=$build/tests/sample/btf-sample encode=$build/encoder/btf-encode render=$build/decoder/tools/render/btf-render
 
 # name, what a sample is, its title, what it shows; model, view and light of its picture
-materials='bricks|Bricks|Deep joints that shadow themselves and hide as the view sinks|cloth|28,-62|50,125
+materials='bricks|Bricks|Deep joints that shadow themselves and hide as the view sinks|drape|28,-62|50,125
 bumps|Pebbles|Rounded pebbles that hide one another as the view sinks|sphere|25,-70|55,140
 weave|Weave|A plain weave of threads in two colours|torus|30,-80|50,130
 flat|Flat|No relief: a painted plane with a gloss, for comparison|plane|35,-60|40,120'

@@ -53,11 +53,6 @@ export class Stage {
         return this.#firstPicture;
     }
 
-    /** Milliseconds that a picture of `pixels` takes here, from what was drawn lately; 0 where nothing was. */
-    time(pixels) {
-        return this.#pixelMs * pixels;
-    }
-
     /** The state, the size or the material has changed. */
     change() {
         this.#changed = true;

@@ -8,7 +8,9 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { CHROMIUM } from '../browser.mjs';
 
-const HANG_MS = 180000; // what takes so long has hung, also on a busy machine
+const HANG_MS = 600000; // what takes so long has hung, also on a busy machine
+/* Pixels of the screen a CSS pixel: few, for they are drawn by software. BTF_PICTURES_SCALE=1 for pictures to look at. */
+const SCALE = Number(process.env.BTF_PICTURES_SCALE ?? 0.5);
 const sleep = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
 
 /* What a page gets before its own scripts: counts of WebGL objects that are alive. */
@@ -78,7 +80,7 @@ export class Browser {
     }
 
     /** A new page of a URL. @param before script that runs in front of the page's own */
-    async open(url, { before = '', width = 1000, height = 720, mobile = false } = {}) {
+    async open(url, { before = '', width = 960, height = 540, mobile = false, scale = SCALE } = {}) {
         const { targetId } = await this.send('Target.createTarget', { url: 'about:blank' });
         const { sessionId } = await this.send('Target.attachToTarget', { targetId, flatten: true });
         const page = new Page(this, sessionId, targetId);
@@ -87,7 +89,7 @@ export class Browser {
             await page.send(`${domain}.enable`);
         }
         await page.send('Page.addScriptToEvaluateOnNewDocument', { source: COUNT_OBJECTS + before });
-        await page.send('Emulation.setDeviceMetricsOverride', { width, height, deviceScaleFactor: mobile ? 2 : 1, mobile });
+        await page.send('Emulation.setDeviceMetricsOverride', { width, height, deviceScaleFactor: scale, mobile });
         if (mobile) {
             await page.send('Emulation.setTouchEmulationEnabled', { enabled: true, maxTouchPoints: 3 });
         }
@@ -143,7 +145,7 @@ class Page {
     /** Waits until an expression is true. */
     async until(expression) {
         const end = Date.now() + HANG_MS;
-        while (!(await this.evaluate(`Boolean(${expression})`))) {
+        while (!(await this.evaluate(`Boolean(document.body && (${expression}))`))) {
             if (Date.now() > end) {
                 const state = await this.evaluate('JSON.stringify({ ...document.documentElement.dataset, said: document.getElementById("said")?.textContent, message: document.getElementById("message-text")?.textContent })');
                 throw new Error(`not within ${HANG_MS / 1000} s: ${expression}; ${state}; ${this.errors.join('; ')}`);
