@@ -22,7 +22,7 @@ const FIREFOX = {
     'media.gmp-manager.updateEnabled': false, 'toolkit.startup.max_resumed_crashes': -1, 'dom.max_script_run_time': 0,
     'dom.max_chrome_script_run_time': 0, 'extensions.update.enabled': false,
 };
-const CHROMIUM = ['--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-first-run',
+export const CHROMIUM = ['--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-first-run',
     '--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage', '--disable-gpu-watchdog',
     '--disable-hang-monitor'];
 

@@ -193,6 +193,17 @@ export interface Info {
     /** By effects decoded, and by level of detail; empty when not measured. */
     readonly errors: readonly (MaterialError & { readonly effects: readonly Effect[] })[];
     readonly levelErrors: readonly (MaterialError & { readonly level: number })[];
+    /**
+     * The encoder's estimate of the error between the samples, over all elevations (btf_between_errors of openbtf/material.h): what
+     * was left out and predicted, and effects that were not decoded. Neighbours are twice as far away then as for a direction between
+     * samples, so that PSNR, in dB, is understated. Empty when not estimated.
+     */
+    readonly betweenErrors: readonly {
+        readonly leftOut: 'view' | 'light' | 'both';
+        readonly without: readonly ('relief' | 'gloss')[];
+        readonly psnrLinear: number;
+        readonly psnrSrgb: number;
+    }[];
 }
 
 /** A texture of FORMAT.md section 3, ready to upload. */

@@ -6,6 +6,7 @@
 
 #include "decoder/exr_common.h"
 #include "decoder/shape.h"
+#include <math.h>
 
 static void effects(json *j, const char *key, uint32_t bits) {
     json_array(j, key);
@@ -63,6 +64,10 @@ static void figures(json *j, float psnr_linear, float psnr_srgb, float gpu_bytes
     json_float(j, "gpuBytes", gpu_bytes);
 }
 
+static double psnr(float mse) {
+    return mse > 1e-10f ? -10 * log10((double)mse) : 100;
+}
+
 static void errors(json *j, const btf_material *material) {
     size_t count;
     const btf_material_error *error = btf_material_errors(material, &count);
@@ -80,6 +85,34 @@ static void errors(json *j, const btf_material *material) {
         json_object(j, NULL);
         json_integer(j, "level", level[i].level);
         figures(j, level[i].psnr_linear, level[i].psnr_srgb, level[i].gpu_bytes);
+        json_end(j);
+    }
+    json_end(j);
+}
+
+/* The rows of the estimate between the samples, of all view and light elevations. */
+static void between_errors(json *j, const btf_material *material) {
+    static const struct {
+        uint32_t bit;
+        const char *word;
+    } without[] = {{4, "relief"}, {8, "gloss"}};
+    static const char *const left_out[4] = {"", "view", "light", "both"};
+    const btf_between_errors b = btf_material_between_errors(material);
+    json_array(j, "betweenErrors");
+    for (uint32_t i = 0; i < b.row_count; i++) {
+        const float *row = b.rows + (size_t)i * b.row_stride;
+        const uint32_t what = (uint32_t)row[0];
+        json_object(j, NULL);
+        json_string(j, "leftOut", left_out[what & 3]);
+        json_array(j, "without");
+        for (size_t k = 0; k < sizeof without / sizeof without[0]; k++) {
+            if (what & without[k].bit) {
+                json_string(j, NULL, without[k].word);
+            }
+        }
+        json_end(j);
+        json_float(j, "psnrLinear", (float)psnr(row[1]));
+        json_float(j, "psnrSrgb", (float)psnr(row[2]));
         json_end(j);
     }
     json_end(j);
@@ -105,6 +138,7 @@ void describe_material(json *j, const btf_material *material) {
     json_string(j, "options", info.options);
     json_string(j, "source", info.source);
     errors(j, material);
+    between_errors(j, material);
     json_end(j);
 }
 

@@ -1,0 +1,37 @@
+#!/bin/bash
+# samples.sh BUILD OUT: materials for the viewer and its gallery, from built-in samples: OUT/NAME.btf.exr, a picture of each,
+# OUT/NAME.png, and OUT/materials.json, which build.py reads. BUILD has btf-sample, btf-encode and btf-render.
+#
+# To show your own data, write such a folder yourself.
+#
+# SPDX-License-Identifier: MIT
+set -eu
+[ $# -eq 2 ] || { sed -n '2,6s/^# \{0,1\}//p' "$0" >&2; exit 1; }
+build=$(cd "$1" && pwd)
+mkdir -p "$2"
+out=$(cd "$2" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+sample=$build/tests/sample/btf-sample encode=$build/encoder/btf-encode render=$build/decoder/tools/render/btf-render
+
+# name, what a sample is, its title, what it shows; model, view and light of its picture
+materials='bricks|Bricks|Deep joints that shadow themselves and hide as the view sinks|drape|28,-62|50,125
+bumps|Pebbles|Rounded pebbles that hide one another as the view sinks|sphere|25,-70|55,140
+weave|Weave|A plain weave of threads in two colours|torus|30,-80|50,130
+flat|Flat|No relief: a painted plane with a gloss, for comparison|plane|35,-60|40,120'
+
+{
+    printf '[\n'
+    separator=
+    while IFS='|' read -r name title about mesh view light; do
+        "$sample" -o "$work/$name" --relief "$name" --size 32 --quiet
+        "$encode" "$work/$name" -o "$out/$name.btf.exr" --preset fast --levels all --budget 400kB -q >&2
+        "$render" "$out/$name.btf.exr" -o "$out/$name.png" --mesh "$mesh" --size 400x300 --samples 2 --repeat 2 --view "$view" --zoom 1.05 \
+            --light "$light" --background 0.015 --filter bilinear --device reference --quiet
+        printf '%s  {"name": "%s", "title": "%s", "about": "%s", "file": "%s", "still": "%s"}' "$separator" "$name" "$title" "$about" \
+            "$name.btf.exr" "$name.png"
+        separator=$',\n'
+    done <<<"$materials"
+    printf '\n]\n'
+} >"$work/materials.json"
+mv "$work/materials.json" "$out/materials.json"
