@@ -36,6 +36,8 @@ install_packages() {
     local purpose package missing=() log=$root/.packages.log
     for purpose in "$@"; do
         for package in $(sed -e 's/#.*//' "$root/.ci/packages-$purpose.txt"); do
+            # a nodejs that is not Debian's brings npm, and conflicts with Debian's
+            [ "$package" = npm ] && command -v npm >/dev/null && continue
             if [ "$(dpkg-query -W -f '${db:Status-Abbrev}' "$package" 2>/dev/null)" != "ii " ]; then
                 missing+=("$package")
             fi

@@ -1,15 +1,19 @@
 /* Starts a browser, headless, on a page that a server here gives it, and hands on what the page posts.
  *
+ * A page has failed, too, where the browser prints an error for it: of a script, of WebGL, of a file that it asked for and did not get.
+ *
  * SPDX-License-Identifier: MIT
  */
 import { spawn, spawnSync } from 'node:child_process';
+import { createHash } from 'node:crypto';
 import { mkdtempSync, rmSync, writeFileSync, readFileSync, existsSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { tmpdir } from 'node:os';
 import { extname, join, normalize } from 'node:path';
 
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.json': 'application/json', '.wasm': 'application/wasm' };
-/* A page may reach its own server alone, and compile WebAssembly; only examples are pages with their script in them. */
+/* A page may reach its own server alone, and compile WebAssembly. Of scripts that stand in a page, import maps may, and all that an
+ * example has. */
 const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; connect-src 'self'; img-src 'self' data:; frame-src 'self'";
 const EXAMPLE_POLICY = POLICY.replace("'wasm-unsafe-eval'", "'wasm-unsafe-eval' 'unsafe-inline'");
 
@@ -20,11 +24,16 @@ const FIREFOX = {
     'browser.aboutwelcome.enabled': false, 'network.captive-portal-service.enabled': false, 'network.connectivity-service.enabled': false,
     'extensions.getAddons.cache.enabled': false, 'browser.safebrowsing.malware.enabled': false, 'browser.safebrowsing.phishing.enabled': false,
     'media.gmp-manager.updateEnabled': false, 'toolkit.startup.max_resumed_crashes': -1, 'dom.max_script_run_time': 0,
-    'dom.max_chrome_script_run_time': 0, 'extensions.update.enabled': false,
+    'dom.max_chrome_script_run_time': 0, 'extensions.update.enabled': false, 'devtools.console.stdout.content': true,
 };
 export const CHROMIUM = ['--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-first-run',
     '--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage', '--disable-gpu-watchdog',
-    '--disable-hang-monitor'];
+    '--disable-hang-monitor', '--enable-logging=stderr'];
+/* What the browsers print of a page's console: [level, text]. */
+const CONSOLE = {
+    chromium: /^\[[^\]]*:(INFO|WARNING|ERROR):CONSOLE[^\]]*\] (.*)$/gm,
+    firefox: /^(console\.(?:error|assert)|JavaScript error): (.*)$/gm,
+};
 
 /* WebGPU by software: Chromium's on SwiftShader, Firefox's on lavapipe. */
 const WEBGPU = {
@@ -60,35 +69,68 @@ function body(request) {
     });
 }
 
+/** The policy for a file; import maps in it are let through by their hash. */
+function policyOf(pathname, data) {
+    if (pathname.startsWith('/example/')) {
+        return EXAMPLE_POLICY;
+    }
+    if (!pathname.endsWith('.html')) {
+        return POLICY;
+    }
+    const maps = Array.from(String(data).matchAll(/<script type="importmap">([^]*?)<\/script>/g), ([, text]) => text);
+    return POLICY.replace('script-src', ['script-src', ...maps.map((text) => `'sha256-${createHash('sha256').update(text).digest('base64')}'`)].join(' '));
+}
+
+/* What a browser says of how fast it draws is no error. */
+const HARMLESS = [/GL Driver Message \(OpenGL, Performance/];
+
+/** Of what a browser printed, what its console said that is not expected, and what is expected and was not said. */
+function consoleErrors(browser, said, expected) {
+    const lines = Array.from(said.matchAll(CONSOLE[browser]), ([line]) => line).filter((line) => !HARMLESS.some((known) => known.test(line)));
+    const wrong = lines.filter((line) => !expected.some((pattern) => pattern.test(line)));
+    const missing = expected.filter((pattern) => !lines.some((line) => pattern.test(line)));
+    return [...wrong.map((line) => `console: ${line}`), ...missing.map((pattern) => `the console does not say ${pattern}`)].join('\n');
+}
+
+/* A page that posts nothing for so long hangs: the longest step between two posts takes seconds, on a busy machine a minute. */
+const SILENT_MINUTES = 20;
+
 /**
  * Runs a page in a browser until it posts to /done.
  * @param folders {'/prefix/': folder, or several} that are served
  * @param posts {'/path': function of what was posted, parsed}
  * @param job what GET /job answers
- * @returns what was posted to /done: '' or what went wrong
+ * @param expected patterns, each of a line that the browser's console must print; any other line there is an error
+ * @returns '' or what went wrong: what was posted to /done, or the console's errors
  */
-export async function runPage(browser, page, folders, posts, job) {
+export async function runPage(browser, page, folders, posts, job, expected = []) {
     const profile = mkdtempSync(join(tmpdir(), 'openbtf-browser-'));
     let end;
     const done = new Promise((resolve) => { end = resolve; });
+    let last = 'nothing was posted', lastTime = Date.now();
     const server = createServer(async (request, response) => {
         const { pathname } = new URL(request.url, 'http://localhost');
         const answer = (status, data, type = 'text/plain') => {
-            response.writeHead(status, { 'Content-Type': type, 'Content-Security-Policy': pathname.startsWith('/example/') ? EXAMPLE_POLICY : POLICY, 'Cache-Control': 'no-store' });
+            response.writeHead(status, { 'Content-Type': type, 'Content-Security-Policy': policyOf(pathname, data), 'Cache-Control': 'no-store' });
             response.end(data);
         };
         if (request.method === 'POST') {
-            const posted = JSON.parse(await body(request));
+            const text = await body(request);
+            [last, lastTime] = [`${pathname} ${text.slice(0, 300)}`, Date.now()];
             answer(204);
             if (pathname === '/done') {
-                end(posted);
+                end(JSON.parse(text));
             } else {
-                posts[pathname]?.(posted);
+                posts[pathname]?.(JSON.parse(text));
             }
             return;
         }
         if (pathname === '/job') {
             answer(200, JSON.stringify(job), 'application/json');
+            return;
+        }
+        if (pathname === '/favicon.ico') { // browsers ask for it by themselves
+            answer(204);
             return;
         }
         const prefix = Object.keys(folders).filter((name) => pathname.startsWith(name)).sort((a, b) => b.length - a.length)[0];
@@ -104,9 +146,14 @@ export async function runPage(browser, page, folders, posts, job) {
     const child = spawn(command, args, { stdio: ['ignore', 'pipe', 'pipe'], detached: true, env: { ...process.env, HOME: profile, VK_ICD_FILENAMES: LAVAPIPE } });
     let said = '';
     for (const stream of [child.stdout, child.stderr]) {
-        stream.on('data', (data) => { said = (said + data).slice(-4000); });
+        stream.on('data', (data) => { said += data; });
     }
-    const exited = new Promise((resolve) => { child.on('exit', (code, signal) => resolve(`${browser} ended by itself (${code ?? signal}):\n${said}`)); });
+    const exited = new Promise((resolve) => { child.on('exit', (code, signal) => resolve(`${browser} ended by itself (${code ?? signal}):\n${said.slice(-4000)}`)); });
+    const watchdog = setInterval(() => {
+        if (Date.now() - lastTime > SILENT_MINUTES * 60000) {
+            end(`no word from the page for ${SILENT_MINUTES} minutes; the last was ${last}`);
+        }
+    }, 1000);
     // the browser is a process group of its own: whoever ends this ends it too
     const stop = () => {
         try {
@@ -118,10 +165,11 @@ export async function runPage(browser, page, folders, posts, job) {
     process.on('exit', stop);
     ['SIGINT', 'SIGTERM', 'SIGHUP'].forEach((signal) => process.on(signal, () => process.exit(1)));
     const result = await Promise.race([done, exited]);
+    clearInterval(watchdog);
     stop();
     await exited;
     server.closeAllConnections?.();
     server.close();
     rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 200 });
-    return result;
+    return result || consoleErrors(browser, said, expected);
 }

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Conformance in a browser: chromium|firefox BUILT BTF_CONFORM PYTHON.
+# All tests in a browser: chromium|firefox BUILT BTF_CONFORM BTF_RENDER PYTHON NPM_FOLDER [PART...].
 #
 # SPDX-License-Identifier: MIT
 set -eu
@@ -7,8 +7,8 @@ here=$(cd "$(dirname "$0")" && pwd)
 root=$here/../..
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-mkdir "$work/vectors"
+mkdir "$work/vectors" "$work/scenes"
 "$3" --vectors "$work/vectors"
-"$4" "$here/vectors.py" "$root/tests/conformance/port/replay.py" "$work/vectors" "$work/raw"
+"$5" "$here/vectors.py" "$root/tests/conformance/port/replay.py" "$work/vectors" "$work/raw"
 "$root/decoder/web/package.sh" "$work/package" "$2"
-node "$here/conform.mjs" "$1" "$work/package" "$work/raw" "$root/tests/data/golden"
+node "$here/run_browser.mjs" "$1" "$work/package" "$work/raw" "$root/tests/data/golden" "$6/node_modules" "$4" "$work/scenes" "${@:7}"

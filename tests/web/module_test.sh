@@ -1,5 +1,5 @@
 #!/bin/bash
-# The npm package, packed by npm, installed from its tarball and run in Node.js: BUILT GOLDEN CORPUS.
+# The npm package, packed by npm, installed from its tarball, run in Node.js, and its types checked: BUILT GOLDEN CORPUS NPM_FOLDER.
 #
 # SPDX-License-Identifier: MIT
 set -eu
@@ -21,7 +21,13 @@ npm pack --silent "$work/package"
 printf '{ "name": "user", "private": true }\n' >package.json
 npm install --silent "./openbtf-$version.tgz"
 cp "$here/harness.mjs" "$here/test_module.mjs" .
-wasm=node_modules/openbtf/openbtf.wasm
-echo "openbtf.wasm: $(stat -c %s $wasm) bytes, $(gzip -9nc $wasm | wc -c) as gzip; scripts: $(cat node_modules/openbtf/*.js | wc -c)," \
-    "$(cat node_modules/openbtf/*.js | gzip -9nc | wc -c) as gzip; tarball: $(stat -c %s openbtf-*.tgz)"
 node test_module.mjs "$2" "$3"
+python3 "$web/sizes.py" node_modules/openbtf "$web/README.md"
+stat -c 'tarball: %s bytes' openbtf-*.tgz
+
+# The tarball with its peer, three: openbtf/three is found and makes a material, and the types hold what they say.
+ln -s "$4/node_modules/three" "$4/node_modules/@types" node_modules/
+cp "$here/test_three.mjs" "$here/types.ts" .
+node test_three.mjs "$2"
+node "$4/node_modules/typescript/bin/tsc" --noEmit --strict --target es2022 --module nodenext --lib es2022,dom,dom.iterable --types three \
+    types.ts

@@ -47,7 +47,7 @@ await test('exports map', () => {
     assert.deepEqual(Object.keys(webgl).sort(), ['Textures', 'fits', 'selfTest', 'upload']);
     assert.throws(() => require.resolve('openbtf/module.js'));
     const folder = join(require.resolve('openbtf/package.json'), '..');
-    for (const name of ['LICENSE', 'NOTICES.txt', 'README.md', 'index.d.ts', 'webgl.d.ts']) {
+    for (const name of ['LICENSE', 'NOTICES.txt', 'README.md', 'index.d.ts', 'webgl.d.ts', 'three.d.ts']) {
         assert.ok(existsSync(join(folder, name)), name);
     }
     for (const holder of ['OpenEXR Project', 'Jean-loup Gailly', 'Rich Felker', 'Emscripten Authors']) {

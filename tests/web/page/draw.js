@@ -35,6 +35,11 @@ export function context() {
     return gl;
 }
 
+/** Ends a context: browsers keep few at a time. */
+export function release(gl) {
+    gl.getExtension('WEBGL_lose_context')?.loseContext();
+}
+
 /** A program for a decoder's text; `plane` is radiance or picked. */
 export function program(gl, source, plane) {
     const result = gl.createProgram();

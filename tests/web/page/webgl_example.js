@@ -1,41 +1,29 @@
-/* Runs decoder/web/examples/webgl.html in a frame, moves the pointer over it, and compares pixels with the reference decoder.
+/* decoder/web/examples/webgl.html: runs it in a frame, moves the pointer over it, and compares pixels with the reference decoder.
  *
  * SPDX-License-Identifier: MIT
  */
 import { open } from '/package/index.js';
+import { closeFrame, openFrame, pixelsOf, statusOf } from './frame.js';
+import { bytes, report } from './post.js';
 
 const SIDE = 512;
-const post = (path, value) => fetch(path, { method: 'POST', body: JSON.stringify(value) });
-const report = (name, wrong = '') => post('/case', { name, wrong });
 
 /** The example with a material, once it says something other than that it loads. */
 async function example(name) {
-    const frame = document.createElement('iframe');
-    frame.width = frame.height = 600;
-    frame.src = `/example/webgl.html?${name}`;
-    document.body.append(frame);
-    await new Promise((resolve) => { frame.onload = resolve; });
-    const status = frame.contentDocument.getElementById('status');
-    if (status.textContent === 'Loading') {
-        await new Promise((resolve) => { new MutationObserver(resolve).observe(status, { childList: true, characterData: true, subtree: true }); });
-    }
-    return { frame, said: status.textContent, canvas: frame.contentDocument.getElementById('canvas') };
+    const frame = await openFrame(`/example/webgl.html?${name}`);
+    return { frame, said: await statusOf(frame), canvas: frame.contentDocument.getElementById('canvas') };
 }
 
-/** The picture with the pointer at a pixel; it is read in the task in which it is drawn. */
+/** The picture with the pointer at a pixel. */
 function lit({ frame, canvas }, x, y) {
-    const copy = document.createElement('canvas');
-    copy.width = copy.height = SIDE;
     const rectangle = canvas.getBoundingClientRect();
     canvas.dispatchEvent(new frame.contentWindow.PointerEvent('pointermove', { clientX: rectangle.left + x, clientY: rectangle.top + y, bubbles: true }));
-    const to = copy.getContext('2d');
-    to.drawImage(canvas, 0, 0);
-    return to.getImageData(0, 0, SIDE, SIDE).data;
+    return pixelsOf(canvas);
 }
 
 /** The greatest difference from the reference, of 255, over some pixels, under the light over a pixel. */
 async function difference(pixels, name, x, y) {
-    const material = await open(await (await fetch(`/example/${name}`)).arrayBuffer());
+    const material = await open(await bytes(`/example/${name}`));
     const light = [x / 256 - 1, 1 - y / 256, 0];
     light[2] = Math.sqrt(1 - light[0] ** 2 - light[1] ** 2);
     let most = 0;
@@ -52,8 +40,7 @@ async function difference(pixels, name, x, y) {
     return most;
 }
 
-async function run() {
-    const { material, damaged } = await (await fetch('/job')).json();
+export async function run({ material, damaged }) {
     const shown = await example(material);
     await report('example: a material is shown', /^\d+ x \d+ texels, \d+ bytes$/.test(shown.said) ? '' : shown.said);
     for (const [x, y] of [[300, 200], [120, 330]]) {
@@ -62,8 +49,8 @@ async function run() {
         const colours = new Set(new Uint32Array(pixels.buffer)).size;
         await report(`example: lit from ${x}, ${y}, its pixels are the reference's`, most <= 1 && colours > 10 ? '' : `${most} of 255 apart, ${colours} colours`);
     }
+    closeFrame(shown.frame);
     const refused = await example(damaged);
     await report('example: a file that is no material is refused in words', /not an OpenEXR file/.test(refused.said) ? '' : refused.said);
+    closeFrame(refused.frame);
 }
-
-run().then(() => post('/done', ''), (error) => post('/done', `${error.message}\n${error.stack}`));

@@ -1,0 +1,63 @@
+/* decoder/web/examples/three.html: runs it in a frame, turns the camera with the pointer, and looks for the shadow.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+import { closeFrame, openFrame, pixelsOf, statusOf } from './frame.js';
+import { report } from './post.js';
+
+/** The canvas once `act` has made the example draw; it draws when the camera moves, in the task of the event or in the next frame. */
+function after(frame, canvas, act) {
+    return new Promise((resolve) => {
+        const prototype = frame.contentWindow.WebGL2RenderingContext.prototype;
+        const { drawElements } = prototype;
+        let drawn = false;
+        prototype.drawElements = function (...args) {
+            if (!drawn && this.canvas === canvas) {
+                drawn = true;
+                queueMicrotask(() => { // the picture is complete when the task ends
+                    prototype.drawElements = drawElements;
+                    resolve(pixelsOf(canvas));
+                });
+            }
+            return drawElements.apply(this, args);
+        };
+        act();
+    });
+}
+
+function drag(frame, canvas, from, to) {
+    const { left, top } = canvas.getBoundingClientRect();
+    const send = (type, [x, y], target) => target.dispatchEvent(new frame.contentWindow.PointerEvent(type, { pointerId: 1, pointerType: 'mouse',
+        button: 0, buttons: type === 'pointerup' ? 0 : 1, clientX: left + x, clientY: top + y, pageX: left + x, pageY: top + y, bubbles: true }));
+    canvas.setPointerCapture = canvas.releasePointerCapture = () => {}; // no pointer of the browser has this id
+    send('pointerdown', from, canvas);
+    send('pointermove', to, canvas);
+    send('pointerup', to, canvas);
+}
+
+const coloursOf = (pixels) => new Set(new Uint32Array(pixels.buffer)).size;
+
+function differing(a, b) {
+    let count = 0;
+    for (let i = 0; i < a.length; i += 4) {
+        count += a[i] !== b[i] || a[i + 1] !== b[i + 1] || a[i + 2] !== b[i + 2] ? 1 : 0;
+    }
+    return count;
+}
+
+export async function run({ material, damaged }) {
+    const frame = await openFrame(`/example/three.html?${material}`);
+    const said = await statusOf(frame);
+    await report('three example: a material is shown', /^\d+ x \d+ texels, \d+ bytes$/.test(said) ? '' : said);
+    const canvas = frame.contentDocument.getElementById('canvas');
+    const first = await after(frame, canvas, () => drag(frame, canvas, [250, 250], [252, 250]));
+    const second = await after(frame, canvas, () => drag(frame, canvas, [250, 250], [330, 250]));
+    await report('three example: the picture has many colours', coloursOf(first) > 500 ? '' : `${coloursOf(first)}`);
+    const moved = differing(first, second);
+    await report('three example: dragging turns it', moved > 10000 ? '' : `${moved} pixels changed`);
+    closeFrame(frame);
+    const refused = await openFrame(`/example/three.html?${damaged}`);
+    const message = await statusOf(refused);
+    await report('three example: a file that is no material is refused in words', /not an OpenEXR file/.test(message) ? '' : message);
+    closeFrame(refused);
+}

@@ -1,0 +1,52 @@
+/* Tests in a browser, one page for all: conformance, openbtf/webgl as a guest, openbtf/three against btf-render, the examples.
+ *
+ *     run_browser.mjs chromium|firefox PACKAGE VECTORS GOLDEN NODE_MODULES BTF_RENDER SCRATCH [PART...]
+ *
+ * PACKAGE: the folder of the npm package. VECTORS: what vectors.py wrote. GOLDEN: tests/data/golden. NODE_MODULES: what npm.sh fetched.
+ * SCRATCH: a folder for pictures of btf-render. PART: only these, of the files of page/; default all.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+import { readdirSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { needPrograms, runPage } from './browser.mjs';
+import { exitCode, report } from './harness.mjs';
+import { SCENES, SIDE, drawScenes } from './scenes.mjs';
+
+const [browser, packageFolder, vectors, golden, modules, btfRender, scratch, ...parts] = process.argv.slice(2);
+needPrograms(browser);
+const here = dirname(fileURLToPath(import.meta.url));
+const MATERIAL = 'v1-tight.btf.exr';
+const job = {
+    parts: parts.length ? parts : ['conform', 'state', 'three', 'webgl_example', 'three_example', 'babylon_example', 'requests'],
+    golden: readdirSync(golden).filter((name) => name.endsWith('.btf.exr')).sort(),
+    // Chromium's SwiftShader keeps the order of operations even where it need not
+    noticesZero: browser === 'firefox',
+    material: MATERIAL,
+    other: 'v1-components.btf.exr',
+    damaged: 'expected.txt',
+    scenes: SCENES,
+    side: SIDE,
+};
+if (job.parts.includes('three')) {
+    drawScenes(btfRender, join(golden, MATERIAL), scratch);
+}
+const folders = {
+    '/page/': join(here, 'page'), '/package/': packageFolder, '/vectors/': vectors, '/golden/': golden, '/scenes/': scratch,
+    '/three/': join(modules, 'three/build'),
+    // examples find the packages beside them
+    '/example/': [join(here, '../../decoder/web/examples'), golden, join(modules, 'babylonjs')], '/example/openbtf/': packageFolder,
+    '/example/three/': join(modules, 'three/build'), '/example/three/addons/': join(modules, 'three/examples/jsm'),
+};
+const start = Date.now();
+const say = (line) => console.log(`[${((Date.now() - start) / 1000).toFixed(0)} s] ${line}`);
+const posts = {
+    '/case': ({ name, wrong }) => report(name, wrong),
+    '/note': say,
+};
+// the control, a line that main.js prints, and, where requests.js runs, the request that it has refused
+const expected = [/control: a line of the console/, ...(job.parts.includes('requests') ? [/openbtf\.invalid/] : [])];
+report(`the page in ${browser} comes to its end, without an error in the console`,
+    await runPage(browser, '/page/index.html', folders, posts, job, expected));
+process.exit(exitCode());
