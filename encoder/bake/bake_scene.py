@@ -17,7 +17,7 @@ import numpy
 from mathutils import Matrix, Vector
 
 import bake_directions
-from bake_settings import BAD_FILE, BakeError
+from bake_settings import BAD_FILE, IO, UNSUPPORTED, BakeError
 
 OLDEST = 3, 0  # Blender with the position pass
 GEOMETRY = {'MESH', 'CURVE', 'SURFACE', 'META', 'FONT', 'CURVES', 'POINTCLOUD', 'VOLUME', 'EMPTY'}
@@ -159,9 +159,7 @@ class BakeScene:
             self.tile.objects.link(each)
         scene.collection.children.link(self.tile)
         configure(scene, s, source)
-        scene.world = self._new(bpy.data.worlds, 'btf-bake black')
-        scene.world.use_nodes = False
-        scene.world.color = 0, 0, 0
+        scene.world = None  # black
 
         scene.view_layers[0].update()
         self.bounds = Bounds(scene.view_layers[0].depsgraph)
@@ -234,20 +232,23 @@ class BakeScene:
         try:
             bpy.ops.render.render(write_still=True, scene=self.scene.name)
         except RuntimeError as error:
-            raise BakeError(2, str(error).strip().removeprefix('Error: ')) from None
+            raise BakeError(IO, str(error).strip().removeprefix('Error: ')) from None
 
 
 def configure(scene, s, source):
     """Settings of the renderer that decide values: nothing is left to the file or to a version's defaults."""
     r, c = scene.render, scene.cycles
-    r.engine = 'CYCLES'
+    try:
+        r.engine = 'CYCLES'
+    except TypeError:
+        raise BakeError(UNSUPPORTED, f'this Blender {bpy.app.version_string} has no Cycles') from None
     c.device, c.feature_set = 'CPU', 'SUPPORTED'
     c.shading_system = False  # Open Shading Language
     r.threads_mode, r.threads = ('FIXED', s.threads) if s.threads else ('AUTO', r.threads)
     r.use_persistent_data = True  # scene and hierarchy stay in memory from image to image
     # The texels: a box filter of one texel, whatever their shape.
     set_size(scene, s)
-    c.pixel_filter_type, r.use_border = 'BOX', False
+    r.use_border = False
     # Values: linear as rendered, nothing clamped, blurred or denoised.
     r.use_compositing = r.use_sequencer = r.use_motion_blur = r.film_transparent = False
     scene.view_settings.view_transform = 'Raw' if scene.display_settings.display_device == 'None' else 'Standard'
@@ -266,8 +267,29 @@ def configure(scene, s, source):
     for name in dir(r):
         if name.startswith('use_stamp'):
             setattr(r, name, False)
-    r.image_settings.file_format, r.image_settings.color_mode = 'OPEN_EXR', 'RGB'
-    r.image_settings.color_depth, r.image_settings.exr_codec = '32', 'ZIP'
+    write_image(scene)
+
+
+def write_image(scene):
+    """Renders are written as images R, G, B."""
+    image = scene.render.image_settings
+    if hasattr(image, 'media_type'):  # Blender 5
+        image.media_type = 'IMAGE'
+    image.file_format, image.color_mode, image.color_depth, image.exr_codec = 'OPEN_EXR', 'RGB', '32', 'ZIP'
+    layer = scene.view_layers[0]
+    layer.use_pass_position = layer.use_pass_z = False
+    scene.cycles.pixel_filter_type = 'BOX'
+
+
+def write_passes(scene):
+    """Renders are written with positions and depths, of rays through the centres of pixels."""
+    image = scene.render.image_settings
+    if hasattr(image, 'media_type'):
+        image.media_type = 'MULTI_LAYER_IMAGE'
+    image.file_format, image.color_depth, image.exr_codec = 'OPEN_EXR_MULTILAYER', '32', 'NONE'
+    layer = scene.view_layers[0]
+    layer.use_pass_position = layer.use_pass_z = True
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width = 'GAUSSIAN', 0.01
 
 
 def set_size(scene, s, factor=1):
