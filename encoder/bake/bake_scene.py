@@ -109,7 +109,7 @@ class Bounds:
                     self.bare.append(drawn.name)
                 points = numpy.empty(3 * len(mesh.vertices), numpy.float32)
                 mesh.vertices.foreach_get('co', points)
-                triangles = sum(len(polygon.vertices) - 2 for polygon in mesh.polygons)
+                triangles = len(mesh.loops) - 2 * len(mesh.polygons)
                 drawn.to_mesh_clear()
                 return points.reshape(-1, 3), triangles
             drawn.to_mesh_clear()

@@ -21,7 +21,7 @@ import time
 
 HERE = os.path.dirname(os.path.realpath(__file__))
 INSTALLED = '@modules@'  # from the folder of the tool to that of the modules, in an installation
-VERSION = '@version@'
+VERSION = '@version@'  # likewise
 MODULES = HERE if os.path.exists(os.path.join(HERE, 'btf_bake.py')) else os.path.normpath(os.path.join(HERE, INSTALLED))
 sys.path.insert(0, MODULES)
 sys.dont_write_bytecode = True
@@ -140,8 +140,11 @@ def command_line():
     out.add_argument('--encode', metavar='OUT.btf.exr', help='then encode; options of btf-encode behind --')
     out.add_argument('-q', '--quiet', action='store_true', help='no progress, no summary')
     out.add_argument('-h', '--help', action='help', help='print this and end')
-    out.add_argument('--version', action='version', version=f'btf-bake {VERSION}', help='print the version and end')
+    out.add_argument('--version', action='version', version='btf-bake ' + (VERSION if VERSION[0].isdigit() else 'of a source folder'), help='print the version and end')
     arguments, more = sys.argv[1:], []
+    if '--tile' in arguments[:-1]:  # its numbers may begin with a minus, which argparse would take for an option
+        at = arguments.index('--tile')
+        arguments[at:at + 2] = ['--tile=' + arguments[at + 1]]
     if '--' in arguments:
         at = arguments.index('--')
         arguments, more = arguments[:at], arguments[at + 1:]

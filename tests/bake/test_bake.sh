@@ -116,7 +116,8 @@ bad 'a tile of zero size' 1 'a tile of 1 x 0 has no area' white.blend -o bad --t
 bad 'a folder that cannot be' 2 'white.blend' white.blend -o white.blend/in
 bad 'no such scene' 2 'none.blend: No such file' none.blend -o bad
 bad 'a scene that is none' 3 'not a file of Blender' "$here/scenes.py" -o bad
-bad 'a scene that is cut off' 3 'cannot read it' <(head -c 3000 white.blend) -o bad
+head -c 3000 white.blend >cut.blend
+bad 'a scene that is cut off' 3 'cannot read it' cut.blend -o bad
 bad 'no Blender' 5 "'nowhere/blender': there is no such program" white.blend -o bad --blender nowhere/blender
 bad 'an old Blender' 5 'Blender 2.79' white.blend -o bad --blender ./old
 bad 'no output' 1 'no output' white.blend
