@@ -7,6 +7,7 @@
 #   tests/run.sh --long   the same with the suite long (tests/README.md): conformance on other devices, libFuzzer, broken builds,
 #                         ThreadSanitizer; BTF_FUZZ_SECONDS of each fuzz target (20)
 #   tests/run.sh --web    with those of decoder/web, which need emscripten and two browsers (1.2 GB); not yet part of the whole
+#   tests/run.sh --bake   with those of btf-bake, which need Blender (0.6 GB)
 #   tests/run.sh --core   without the tests that need browsers or Blender: so far the same as without an option
 #
 # SPDX-License-Identifier: MIT
@@ -16,17 +17,19 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 
 long=0
 web=0
+bake=0
 for argument in "$@"; do
     case $argument in
     --long) long=1 ;;
     --web) web=1 ;;
+    --bake) bake=1 ;;
     --core) ;;
     -h | --help)
-        sed -n '2,10s/^# \{0,1\}//p' "$0"
+        sed -n '2,11s/^# \{0,1\}//p' "$0"
         exit 0
         ;;
     *)
-        echo "tests/run.sh: unknown argument '$argument' (expected --long, --web, --core or --help)" >&2
+        echo "tests/run.sh: unknown argument '$argument' (expected --long, --web, --bake, --core or --help)" >&2
         exit 1
         ;;
     esac
@@ -34,6 +37,7 @@ done
 
 purposes=(build test)
 [ "$web" = 1 ] && purposes+=(web)
+[ "$bake" = 1 ] && purposes+=(bake)
 install_packages "${purposes[@]}"
 export BTF_SOURCE_ROOT=$root BTF_SHARED=${BTF_SHARED:-$root/../shared}
 logs=()
@@ -49,12 +53,13 @@ run_suite() {
 
 # With these a package that is missing is an error, not tests that are left out.
 all=(-Dwerror=true -Dtests=enabled -Dmpi=enabled)
-browsers=-Dweb=false
+browsers=-Dweb=false blender=-Dbake=false
+[ "$bake" = 1 ] && blender=-Dbake=true
 if [ "$web" = 1 ]; then
     "$root/decoder/web/wasm/sources.sh" "$root/build/web-sources" || exit 2
     browsers=-Dweb=true
 fi
-build "$root/build" "${all[@]}" "$browsers"
+build "$root/build" "${all[@]}" "$browsers" "$blender"
 if [ "$long" = 1 ]; then
     run_suite "$root/build" --timeout-multiplier 10
 else
@@ -71,7 +76,7 @@ little=-O1
 # Warnings are errors in the release build alone: with -O1 and checks inlined gcc warns of null pointers that cannot be.
 warned=-Dwerror=false
 # The alignment of what templates of Eigen load is not looked at: the Ceres bridge compiles in 26 s instead of 43.
-build "$root/build-sanitize" "${all[@]}" -Dweb=false $warned -Dbuildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false \
+build "$root/build-sanitize" "${all[@]}" -Dweb=false -Dbake=false $warned -Dbuildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false \
     "-Dc_args=$unchecked $lines $little" "-Dcpp_args=$unchecked,alignment $lines"
 export ASAN_OPTIONS=detect_leaks=1:abort_on_error=0:verify_asan_link_order=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0 BTF_TEST_LIGHT=1

@@ -23,12 +23,13 @@ unset PKG_CONFIG_PATH
 
 (cd "$prefix" && find . ! -type d | sed -e "s|^\./||" -e "s|^${libdir#"$prefix"/}|LIB|" -e 's|^lib/python3[^/]*/[a-z]*-packages|PYTHON|' | sort) >files
 {
-    printf 'bin/btf-%s\n' bench compare conform decode encode info render sample view
+    printf 'bin/btf-%s\n' bake bench compare conform decode encode info render sample view
     printf 'include/openbtf/%s.h\n' compat/btf_reference cost evaluate fold gl input material plan reference \
         result sampling shader
     printf 'LIB/%s\n' libopenbtf{,_input,_reference}.so{,.0.2,.0.2.0} pkgconfig/openbtf{,-input,-reference}.pc
     printf 'PYTHON/openbtf/%s\n' __init__.py _library.py data.py material.py py.typed
     printf 'share/cmake/openbtf/%s\n' openbtfConfig{,Version}.cmake
+    printf 'share/openbtf/bake/%s\n' README.md bake_{checks,directions,exr,scene,settings}.py btf_bake.py
     printf 'share/openbtf/%s\n' FORMAT.md LICENSE README.md openbtf.glsl self_test.glsl \
         openbtf_{factors,joint,lists,paper,points,relief,residual,sbrdf}_{texel,bilinear,steep,fast,stochastic}.glsl \
         openbtf_folded_{texel,bilinear,steep,fast}.glsl

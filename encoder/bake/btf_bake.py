@@ -1,0 +1,340 @@
+"""Bakes a scene of Blender into a data set that btf-encode reads: every view under every light, by Cycles on the CPU.
+
+btf-bake, the driver, starts Blender with this file and hands it the settings in JSON:
+
+    blender --background SCENE.blend --python btf_bake.py -- SETTINGS.json SCENE.blend DESCRIPTOR
+
+Within Blender, as an add-on does, put this folder on sys.path and call
+
+    import btf_bake
+    btf_bake.run(btf_bake.Settings(output='/tmp/cloth', texels=(32, 32), directions='small'))
+
+for the file that is open. README.md beside this file says what is baked, and how.
+
+SPDX-License-Identifier: MIT
+"""
+import hashlib
+import json
+import os
+import shutil
+import socket
+import sys
+import tempfile
+import time
+import traceback
+import zlib
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import bake_settings  # noqa: E402
+from bake_directions import view_name  # noqa: E402
+from bake_settings import BAD_FILE, INTERNAL, IO, UNSUPPORTED, BakeError, Settings  # noqa: E402
+
+settings = Settings  # either name
+
+RECORD = 'bake.json'  # in the folder of a data set: how it was made
+PREVIEW_VIEWS = ((0.0, 0.0), (45.0, 60.0), (75.0, 300.0))
+PREVIEW_LIGHTS = ((0.0, 0.0), (45.0, 180.0), (60.0, 90.0), (75.0, 0.0))
+
+
+class Progress:
+    """Reports what is done of a stage, and how long the rest takes at the pace of this run."""
+
+    def __init__(self, report, stage, total, done=0):
+        self.report, self.stage, self.total, self.done = report, stage, total, done
+        self.before, self.start = done, time.monotonic()
+        self.tell()
+
+    def step(self):
+        self.done += 1
+        self.tell()
+
+    def tell(self):
+        made = self.done - self.before
+        left = (time.monotonic() - self.start) / made * (self.total - self.done) if made else -1
+        self.report('progress', stage=self.stage, done=self.done, total=self.total, left=left)
+
+
+class Output:
+    """A folder whose files are written beside and renamed: a file of its final name is whole."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        prefix = f'.bake-{socket.gethostname()}-'
+        try:
+            os.makedirs(folder, exist_ok=True)
+            for name in os.listdir(folder):  # of runs that were killed on this machine
+                if name.startswith(prefix) and not _runs(name[len(prefix):].split('.')[0]):
+                    os.remove(os.path.join(folder, name))
+            self.beside = os.path.join(folder, f'{prefix}{os.getpid()}.exr')
+            with open(self.beside, 'wb'):
+                pass
+            os.remove(self.beside)
+        except OSError as error:
+            raise _unwritable(error, folder) from None
+
+    def has(self, name):
+        return os.path.isfile(os.path.join(self.folder, name))
+
+    def commit(self, name):
+        """Gives what was written to self.beside its name."""
+        path = os.path.join(self.folder, name)
+        try:
+            os.makedirs(os.path.dirname(path), exist_ok=True)
+            os.replace(self.beside, path)
+        except OSError as error:
+            raise _unwritable(error, path) from None
+
+    def close(self):
+        if os.path.exists(self.beside):
+            os.remove(self.beside)
+
+
+def _runs(pid):
+    try:
+        os.kill(int(pid), 0)
+    except ProcessLookupError:
+        return False
+    except (PermissionError, ValueError):
+        pass
+    return True
+
+
+def _unwritable(error, path):
+    return BakeError(IO, f'{error.filename or path}: {error.strerror or error}')
+
+
+class DoneList:
+    """The list of the images that are there, a line each: seconds and name. One list for each part, so that processes that
+    share a folder do not write into one file. The images themselves decide what is left to do."""
+
+    def __init__(self, settings, output, there):
+        i, n = settings.part
+        self.path = os.path.join(output.folder, 'bake-done.txt' if n == 1 else f'bake-done-{i}of{n}.txt')
+        seconds = {}
+        try:
+            if os.path.exists(self.path):
+                with open(self.path, encoding='utf-8') as file:
+                    seconds = {line.rstrip('\n').split('\t', 1)[1]: line.split('\t', 1)[0]
+                               for line in file if line.endswith('\n') and '\t' in line}
+            beside = os.path.join(output.folder, '.' + os.path.basename(self.path))
+            self.file = open(beside, 'w', encoding='utf-8')
+            for name in there:
+                self.file.write(f'{seconds.get(name, "?")}\t{name}\n')
+            self.file.flush()
+            os.replace(beside, self.path)
+        except OSError as error:
+            raise _unwritable(error, self.path) from None
+
+    def add(self, name, seconds):
+        try:
+            self.file.write(f'{seconds:.3f}\t{name}\n')
+            self.file.flush()
+        except OSError as error:
+            raise _unwritable(error, self.path) from None
+
+    def close(self):
+        self.file.close()
+
+
+def _file_hash(path):
+    digest = hashlib.sha256()
+    with open(path, 'rb') as file:
+        for block in iter(lambda: file.read(1 << 20), b''):
+            digest.update(block)
+    return digest.hexdigest()
+
+
+def _record(settings):
+    import bpy
+    record = settings.record()
+    record['blender'] = bpy.app.version_string
+    record['scene'] = os.path.basename(bpy.data.filepath)
+    # What was changed since it was saved, as an add-on may find it, has no hash.
+    record['scene_sha256'] = '' if bpy.data.is_dirty or not bpy.data.filepath else _file_hash(bpy.data.filepath)
+    return record
+
+
+def begin(settings, output, report):
+    """Writes the record of a data set, or compares it with the one that is there. Raises BakeError where the folder holds
+    something else."""
+    path = os.path.join(output.folder, RECORD)
+    record = _record(settings)
+    try:
+        if os.path.exists(path):
+            with open(path, encoding='utf-8') as file:
+                before = json.load(file)
+            for name, value in record.items():
+                if before.get(name) == value or (name == 'scene_sha256' and '' in (value, before.get(name))):
+                    continue
+                if name in ('blender', 'scene'):
+                    report('warning', text=f'{path}: {name} was {before.get(name)}, now {value}')
+                    continue
+                was, now = ('other ones', 'these') if name == 'images' else (before.get(name), value)
+                raise BakeError(IO, f'{path}: begun with other settings: {name} was {was}, now {now}; take another folder, the '
+                                'settings of before, or delete the folder')
+            return
+        strangers = [name for name in os.listdir(output.folder) if not name.startswith('.')]
+        if strangers and os.path.exists(path):  # by another part, a moment ago
+            begin(settings, output, report)
+            return
+        if strangers:
+            raise BakeError(IO, f"{output.folder}: holds '{sorted(strangers)[0]}' and no {RECORD}: not a folder of a bake")
+        with open(output.beside, 'w', encoding='utf-8') as file:
+            json.dump(record, file, indent=1)
+            file.write('\n')
+        output.commit(RECORD)
+    except (OSError, ValueError) as error:
+        raise _unwritable(error, path) if isinstance(error, OSError) else BakeError(IO, f'{path}: {error}') from None
+
+
+def image_seed(seed, view, light):
+    """A seed for each image, so that the noise of no two is alike; of the pair alone, not of the list it stands in."""
+    return zlib.crc32(f'{seed} {view} {light}'.encode()) & 0x7fffffff
+
+
+def render_images(settings, baking, output, report):
+    """Renders what is missing of this part, view by view. Returns the number of images rendered."""
+    own = settings.own_images()
+    todo = [each for each in own if not output.has(each[0])]
+    done = DoneList(settings, output, [name for name, _, _ in own if output.has(name)])
+    try:
+        if len(todo) < len(own):
+            report('info', text=f'{output.folder}: {len(own) - len(todo)} of {len(own)} images are there')
+        progress, at = Progress(report, 'render', len(own), len(own) - len(todo)), None
+        for name, view, light in todo:
+            start = time.monotonic()
+            if view != at:
+                baking.set_view(view)
+                at = view
+            baking.set_light(light)
+            baking.render(output.beside, image_seed(settings.seed, view, light))
+            output.commit(name)
+            done.add(name, time.monotonic() - start)
+            progress.step()
+    finally:
+        done.close()
+    return len(todo)
+
+
+def render_positions(settings, baking, output, views, report):
+    """Writes where each texel looks, an EXR file a view."""
+    import bake_checks
+    import bake_exr
+    comment = ('R, G, B: x, y, z of the point that the ray through the centre of a texel meets, from the low corner of the tile '
+               'and the reference plane, in lengths of the scene; not a number where it meets nothing')
+    own = views[settings.part[0] - 1::settings.part[1]]
+    progress = Progress(report, 'positions', len(own))
+    for view in own:
+        name = view_name(view) + '.exr'
+        if not output.has(name):
+            probe = bake_checks.Probe(baking, view, output.beside)
+            bake_exr.write_rgb(output.beside, probe.position, comment)
+            output.commit(name)
+        progress.step()
+
+
+def render_preview(settings, baking, folder, report):
+    """Writes a few pairs side by side: a row a light, a column a view."""
+    import bake_exr
+    import numpy
+    path = os.path.join(folder, 'preview.exr')
+    progress = Progress(report, 'preview', len(PREVIEW_VIEWS) * len(PREVIEW_LIGHTS))
+    columns = []
+    for view in PREVIEW_VIEWS:
+        baking.set_view(view)
+        column = []
+        for light in PREVIEW_LIGHTS:
+            baking.set_light(light)
+            baking.render(path, image_seed(settings.seed, view, light))
+            column.append(numpy.pad(bake_exr.read_rgb(path), ((1, 1), (1, 1), (0, 0))))
+            progress.step()
+        columns.append(numpy.concatenate(column, 0))
+    try:
+        bake_exr.write_png(settings.preview, numpy.concatenate(columns, 1))
+    except OSError as error:
+        raise _unwritable(error, settings.preview) from None
+
+
+def run(settings, report=None):
+    """Bakes the file that is open in Blender; the open file is left as it is.
+
+    settings: a Settings; what is asked for of output, position and preview is written.
+    report: called as report(kind, **values) from this thread: kind 'info' or 'warning' with text=; 'progress' with
+    stage=, done=, total= and left=, the seconds until the end of the stage, negative where they are not known yet. What it
+    raises ends the bake between two images, and passes through; a later run with the same settings goes on there.
+    Returns {'images': of this part, 'rendered': by this run, 'missing': of the whole data set, 'seconds', 'triangles'}.
+    Raises BakeError, whose text is for the user and whose code is an exit code of the tools."""
+    import bpy
+    import bake_checks
+    import bake_scene
+    start = time.monotonic()
+    report = report or (lambda kind, **values: None)
+    settings.check()
+    if bpy.app.version < bake_scene.OLDEST:
+        raise BakeError(UNSUPPORTED, f'Blender {bpy.app.version_string} lacks the position pass: '
+                        f'{bake_scene.OLDEST[0]}.{bake_scene.OLDEST[1]} is the oldest that can be used')
+    images = settings.images()
+    if settings.preview:
+        views, lights = PREVIEW_VIEWS, PREVIEW_LIGHTS
+    else:
+        views, lights = (sorted({image[i] for image in images}) for i in (1, 2))
+        if not any(theta <= 5 for theta, _ in views) and not settings.pairs:
+            report('warning', text='no view lies within 5 degrees of the normal: btf-encode will not take the data set')
+    output = position = None
+    scratch = tempfile.mkdtemp(prefix='btf-bake-')
+    try:
+        if settings.output:
+            output = Output(settings.output)
+            begin(settings, output, report)
+        if settings.position:
+            position = Output(settings.position)
+        with bake_scene.BakeScene(settings) as baking:
+            bake_checks.check(baking, views, lights, os.path.join(scratch, 'probe.exr'), report)
+            triangles, rendered = baking.bounds.triangles, 0
+            if settings.preview:
+                render_preview(settings, baking, scratch, report)
+            if position:
+                render_positions(settings, baking, position, views, report)
+            if output:
+                rendered = render_images(settings, baking, output, report)
+    finally:
+        for each in (output, position):
+            if each:
+                each.close()
+        shutil.rmtree(scratch, ignore_errors=True)
+    return {'images': len(settings.own_images()), 'rendered': rendered, 'triangles': triangles,
+            'missing': sum(not output.has(name) for name, _, _ in images) if output else 0,
+            'seconds': time.monotonic() - start}
+
+
+def main():
+    """As the driver starts it: reports are lines of JSON to a descriptor, the last one of kind 'end' or 'error'."""
+    path, scene, descriptor = sys.argv[sys.argv.index('--') + 1:]
+    pipe = os.fdopen(int(descriptor), 'w', encoding='utf-8')
+
+    def report(kind, **values):
+        try:
+            pipe.write(json.dumps({'kind': kind, **values}) + '\n')
+            pipe.flush()
+        except BrokenPipeError:  # the driver was killed
+            os._exit(bake_settings.INTERRUPTED)
+
+    try:
+        with open(path, encoding='utf-8') as file:
+            asked = bake_settings.from_json(file.read())
+        import bpy
+        if not (bpy.data.filepath and os.path.samefile(bpy.data.filepath, scene)):
+            raise BakeError(BAD_FILE, f'{scene}: Blender {bpy.app.version_string} cannot read it')
+        report('end', **run(asked, report))
+    except BakeError as error:
+        report('error', text=str(error), code=error.code)
+    except MemoryError:
+        report('error', text='out of memory', code=INTERNAL)
+    except Exception:
+        report('error', text='internal error: ' + traceback.format_exc(), code=INTERNAL)
+    pipe.close()
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,130 @@
+#!/bin/bash
+# btf-bake: what its images hold, what it says of bad scenes, and that it goes on after a kill.
+#
+#   test_bake.sh INTERPRETER    a Python with numpy
+#
+# SPDX-License-Identifier: MIT
+. "$(dirname "$0")/../tools/common.sh"
+interpreter=$1
+here=$BTF_SOURCE_ROOT/tests/bake
+command -v blender >/dev/null || {
+    report 'Blender' failed 'there is no blender: install the packages of .ci/packages-bake.txt, or leave the suite bake out'
+    finish
+}
+btf-bake() { /usr/bin/python3 "$BTF_SOURCE_ROOT/encoder/bake/btf-bake.py" "$@"; }
+images() { "$interpreter" "$here/images.py" "$@"; }
+in_blender() { blender --background --factory-startup -noaudio "$@"; }
+
+expect 'scenes' 0 in_blender --python "$here/scenes.py" --python-exit-code 9 -- "$work"
+
+# Values, axes, cameras.
+expect 'a white plane' 0 btf-bake white.blend -o white --texels 8 --directions 0:1,40:2,75:3 --samples 4 --sun-angle 0 --strict
+expect_that 'gives cos(theta_l) from every view' images white white
+expect_text 'progress stands in the log' 'render: done after' err
+expect 'a tile that is not square' 0 btf-bake white.blend -o slim --texels 8x4 --tile 0.25,0.5,0.5,0.25 --directions 0:1,60:2 \
+    --samples 4 --sun-angle 0
+expect_that 'neither are its texels' images white slim
+
+expect 'posts' 0 btf-bake axes.blend -o post --texels 16 --views 0:1 --lights tiny --samples 16 --bounces 0 --sun-angle 0
+expect_that 'their shadows fall away from the light, and texels lie where FORMAT.md says' images post post
+expect 'where texels look' 0 btf-bake axes.blend --position positions --texels 32 --directions tiny
+expect_that 'is where the relief is' images positions positions
+
+oblique() { in_blender waves.blend --python "$here/oblique.py" --python-exit-code 9 -- "$BTF_SOURCE_ROOT" "$work" && cat oblique.txt; }
+expect 'an ordinary camera' 0 oblique
+close() { awk '{ exit !($1 < 0.01 && $2 > 0.999) }' oblique.txt; }
+expect_that 'and the homography give what the sheared camera gives' close
+
+# The tile continues at its edges: another part of the repeated surface is the same one, shifted.
+wavy() { btf-bake waves.blend --texels 8 --directions 0:1,60:3 --samples 64 --bounces 0 "$@"; }
+expect 'a tile' 0 wavy -o waves
+expect 'the same surface from elsewhere' 0 wavy -o shifted --tile 0.5,0.25,1,1
+expect_that 'is the same, shifted: the edges continue' images alike waves shifted 0.0015 0.012 4 -2
+expect 'without copies' 0 wavy -o alone --no-repeat
+expect 'the edges look into nothing' 1 images alike waves alone 0.0015 0.012
+
+# The same surface by btf-sample, which traces rays of its own.
+same=(--directions 0:1,40:3,75:2)
+expect 'axes by btf-sample' 0 command btf-sample -o sampled --relief axes --size 16 "${same[@]}" --supersample 4 --format exr -q
+expect 'axes by btf-bake' 0 btf-bake axes.blend -o baked --texels 16 "${same[@]}" --samples 64 --bounces 0 --sun-angle 0 --strict
+expect_that 'are the same BTF' images alike sampled baked 0.001 0.015
+
+# Killed at several moments, Blender or the driver; then the same command goes on, and the files are the same.
+small() { btf-bake waves.blend --texels 8 --directions tiny --samples 4 -q "$@"; }
+expect 'a small bake' 0 small -o whole
+killed_at() { # MOMENT ACTION
+    printf '#!/bin/bash\n[ "$1" = --version ] && exec blender "$@"\nexec env %q %q %q blender "$@"\n' "$preload" \
+        "BTF_MOMENT=$1" "BTF_ACTION=$2" >wrapped
+    chmod +x wrapped
+    small -o resumed --blender ./wrapped
+}
+driver='kill -KILL $(awk "/^PPid/ { print \$2 }" /proc/$PPID/status)'
+expect 'Blender is killed' 4 killed_at '3 rename tl' KILL
+expect_text 'which is said' 'Blender ended with -9' err
+expect 'the driver is killed' 137 killed_at '4 rename tl' "$driver"
+expect 'Blender is killed before an image has its name' 4 killed_at '9 open .exr' KILL
+expect 'interrupted' 130 killed_at '2 rename tl' "${driver/-KILL/-INT}"
+expect_text 'how to go on' 'the same command goes on' err
+expect 'the same command' 0 small -o resumed
+expect_that 'gives the same files' diff -r -x bake-done.txt whole resumed
+expect_that 'lists what is done' test "$(wc -l <resumed/bake-done.txt)" = 25
+left_over() { find resumed -name '.bake-*' | grep .; }
+expect 'and leaves nothing beside them' 1 left_over
+expect 'nothing is left to do' 0 btf-bake waves.blend --texels 8 --directions tiny --samples 4 -o resumed
+expect_text 'which is said too' '25 of 25 images are there' err
+expect 'two of two parts' 0 small -o parts --part 2/2
+expect 'are one half' 0 btf-bake waves.blend --texels 8 --directions tiny --samples 4 -o parts --part 2/2
+expect_text 'the other one is missing' '13 of the other parts are missing' err
+expect 'one of two' 0 small -o parts --part 1/2
+expect_that 'and the other' diff -r -x 'bake-done*' whole parts
+
+# Options that change values do; others are refused where a folder was begun without them.
+expect 'another seed' 0 small -o seed --seed 1
+expect_that 'is other noise' images noise whole seed 0.0005 0.1
+expect 'more samples' 0 small -o fine --samples 64
+expect 'and another seed' 0 small -o finer --samples 64 --seed 1
+expect_that 'are less of it' images noise fine finer 0.0001 0.01
+expect 'one bounce' 0 small -o direct --bounces 0
+expect 'is darker' 1 images alike whole direct 0.002 1
+expect 'other settings' 2 small -o whole --samples 5
+expect_text 'name what differs' 'samples was 4, now 5' err
+expect 'another scene' 2 btf-bake white.blend -o whole --texels 8 --directions tiny --samples 4
+expect_text 'too' 'scene_sha256 was' err
+mkdir strange && touch strange/notes
+expect 'a folder of something else' 2 small -o strange
+expect_text 'is named' "strange: holds 'notes'" err
+expect 'a preview' 0 btf-bake waves.blend --preview waves.png --texels 8 --samples 4
+expect_text 'is a PNG file' '^.PNG' waves.png
+echo '45 0 10 120 # one
+0 0 30 90' >pairs.txt
+expect 'single pairs' 0 small -o pairs --pairs pairs.txt
+expect_that 'have their names' test -f pairs/tl10.0000_pl120.0000_tv45.0000_pv000.0000.exr
+
+# Bad scenes and options.
+bad() { # NAME CODE TEXT ARGUMENT...
+    expect "$1" "$2" btf-bake "${@:4}" --texels 8 --directions 0:1 --samples 1
+    expect_text "$1: the message" "$3" err
+}
+printf '#!/bin/bash\necho Blender 2.79\n' >old && chmod +x old
+bad 'no such collection' 3 "no collection 'BTF'" nowhere.blend -o bad
+bad 'nothing in it' 3 'nothing to bake' empty.blend -o bad
+bad 'no material' 3 "object 'patch' has faces without a material" bare.blend -o bad
+bad 'emission' 3 'the scene emits light' glowing.blend -o bad
+bad 'no such object' 3 "no object 'nobody'" white.blend -o bad --object nobody
+bad 'nothing within the tile' 3 'nothing lies within the tile 5,5,1,1' white.blend -o bad --tile 5,5,1,1 --no-repeat
+bad 'a tile of zero size' 1 'a tile of 1 x 0 has no area' white.blend -o bad --tile 0,0,1,0
+bad 'a folder that cannot be' 2 'white.blend' white.blend -o white.blend/in
+bad 'no such scene' 2 'none.blend: No such file' none.blend -o bad
+bad 'a scene that is none' 3 'not a file of Blender' "$here/scenes.py" -o bad
+head -c 3000 white.blend >cut.blend
+bad 'a scene that is cut off' 3 'cannot read it' cut.blend -o bad
+bad 'no Blender' 5 "'nowhere/blender': there is no such program" white.blend -o bad --blender nowhere/blender
+bad 'an old Blender' 5 'Blender 2.79' white.blend -o bad --blender ./old
+bad 'no output' 1 'no output' white.blend
+bad 'encoding options without encoding' 1 'run.* with --encode' white.blend -o bad -- --budget 1MB
+bad 'faults' 0 "'leaf' protrudes by 0.05 above the reference plane at z = 0" faults.blend -o faults
+expect_text 'a part beyond the tile' "'leaf' reaches 0.25 beyond the tile at \+x" err
+expect_text 'a hole' 'open below: 2[0-9.]* % of the texels seen from above' err
+expect_text 'a lamp' "lights of the scene do not shine: 'lamp'" err
+bad 'faults, strictly' 3 'warnings, and --strict' faults.blend -o strict --strict
+finish
