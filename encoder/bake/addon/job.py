@@ -1,4 +1,4 @@
-"""A bake beside the window: another Blender renders a copy of the file, as btf-bake starts it, and this one stays usable.
+"""A bake beside the window: another Blender renders the file, as btf-bake starts it, and this one stays usable.
 
 SPDX-License-Identifier: MIT
 """
@@ -23,16 +23,19 @@ class Job:
         self._encode, self._rest, self._ended, self._pipe = encode, b'', False, None
         self._folder = tempfile.mkdtemp(prefix='btf-bake-')
         try:
-            scene = os.path.join(self._folder, 'scene.blend')
-            bpy.ops.wm.save_as_mainfile(filepath=scene, copy=True, check_existing=False)
+            scene = bpy.data.filepath
+            if bpy.data.is_dirty or not scene:
+                # A preview shows what is there now. A data set belongs to a file: operators.py asks for one.
+                scene = os.path.join(self._folder, 'scene.blend')
+                bpy.ops.wm.save_as_mainfile(filepath=scene, copy=True, check_existing=False)
             asked = os.path.join(self._folder, 'settings.json')
             with open(asked, 'w', encoding='utf-8') as file:
                 json.dump(dataclasses.asdict(settings), file)
             self._pipe, write = os.pipe()
             os.set_blocking(self._pipe, False)
             try:
-                self._start([bpy.app.binary_path, '--background', scene, '--python', btf_bake.__file__, '--', asked,
-                             str(write)], pass_fds=(write,))
+                self._start([bpy.app.binary_path, '--background', '--factory-startup', '--disable-autoexec', '-noaudio', scene,
+                             '--python', btf_bake.__file__, '--', asked, scene, str(write)], pass_fds=(write,))
             finally:
                 os.close(write)
         except BaseException:
@@ -67,10 +70,10 @@ class Job:
                 self.said += f', {duration(left)} left'
         elif kind == 'warning':
             print('btf-bake: warning:', report['text'])
+        elif kind == 'error':
+            self.error = report['text']
         elif kind == 'end':
             self._ended = True
-            if report.get('code'):
-                self.error = report.get('text') or f"the bake ended with code {report['code']}"
 
     def poll(self):
         """Looks how far it is; True when something changed."""

@@ -186,7 +186,11 @@ class BTF_OT_export(_Bakes, bpy.types.Operator, ExportHelper):
 
 
 def _need_file(folder):
-    """A path that begins with // has no meaning before the file has a place."""
+    """Images belong to a file: by its hash a later bake knows that it goes on with the same scene. And a path that begins
+    with // has no meaning before the file has a place."""
+    if not bpy.app.background and (bpy.data.is_dirty or not bpy.data.filepath):
+        raise BakeError(1, 'save the file first: the images belong to it, and a bake that was stopped goes on with the same file '
+                        'alone')
     if not os.path.isabs(folder):
         raise BakeError(1, f"images '{folder}': save the file first, or choose a folder by its whole path")
 

@@ -15,7 +15,7 @@ import numpy as np
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import tile  # noqa: E402
 
-STONES, PLACES = 150, 120
+STONES, PLACES = 78, 300
 CELLS = 256  # of the height field in which stones fall, along a side
 STEPS = 16   # samples along a triangle's edges, closer together than cells
 COLOURS = [('granite', (0.30, 0.29, 0.28), 0.6), ('slate', (0.10, 0.115, 0.13), 0.45), ('sandstone', (0.42, 0.29, 0.17), 0.8),
@@ -76,7 +76,7 @@ def stone(random, sphere):
     for _ in range(6):
         wave = random.normal(size=3) * 1.7
         bumps += random.uniform(0.015, 0.05) * np.cos(sphere @ wave + random.uniform(0, 2 * np.pi))
-    size = np.clip(0.066 * np.exp(0.28 * random.normal()), 0.038, 0.11)
+    size = np.clip(0.060 * np.exp(0.28 * random.normal()), 0.036, 0.095)
     axes = size * np.array([random.uniform(1.0, 1.35), random.uniform(0.85, 1.05), random.uniform(0.55, 0.8)])
     return (sphere * (1 + bumps)[:, None] * axes) @ turned(
         random.uniform(0, 2 * np.pi), 0.28 * random.normal(), 0.28 * random.normal()).T

@@ -1,5 +1,5 @@
-"""Writes a tile of lifted scales that are green above and copper below: which colour is seen depends on the side from
-which one looks, for the scales hide their undersides to one side and show them to the other.
+"""Writes a tile of overlapping scales, green above and copper at their thick front ends: from one side the surface is
+green, from the other mostly copper, for each scale hides the front of the one behind it or shows its own.
 
     blender -b --factory-startup -P scales.py -- -o scales.blend
 
@@ -14,14 +14,15 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import tile  # noqa: E402
 
 COLUMNS, ROWS = 5, 8  # an even number of rows: each is moved by half a scale against the next
-LENGTH, THICKNESS = 0.27, 0.006
-LIFT = np.radians(24)
+LENGTH = 0.27
+THICKNESS = 0.004, 0.040  # at the root and at the tip
+LIFT = np.radians(18)
 ALONG, ACROSS = 16, 14  # quadrilaterals of a side of a scale
 
 
 def outline(v):
     """Half the width of a scale, of its greatest, at v from root (0) to tip (1)."""
-    return np.where(v < 0.55, 0.88 + 0.12 * np.sin(np.pi * v / 1.1), np.sqrt(np.clip(1 - ((v - 0.55) / 0.45) ** 2.2, 0, 1)))
+    return np.where(v < 0.55, 0.88 + 0.12 * np.sin(np.pi * v / 1.1), np.sqrt(1 - np.clip((v - 0.55) / 0.45, 0, 1) ** 2.2))
 
 
 def blade(u, v, lift, curl):
@@ -48,8 +49,7 @@ def add_scale(part, x, y, lift, curl, upper):
     v = np.minimum(v, 0.999)  # the tip is a very short edge, not a point: a point has no normal
     above = blade(u, v, lift, curl)
     normals = side(above)
-    # Thin at the rim, where light would show a blunt edge.
-    below = above - normals * (THICKNESS * (0.35 + 0.65 * (1 - u ** 2) * (1 - v ** 4)))[..., None]
+    below = above - normals * (THICKNESS[0] + (THICKNESS[1] - THICKNESS[0]) * v ** 1.5)[..., None]
     place = np.array([x, y, 0.0])
     grid = tile.lattice(ALONG + 1, ACROSS + 1, closed=False)
     part.add((above + place).reshape(-1, 3), normals.reshape(-1, 3), grid[:, ::-1], upper)
@@ -58,8 +58,11 @@ def add_scale(part, x, y, lift, curl, upper):
                              np.arange((ALONG + 1) * (ACROSS + 1) - 1, ALONG * (ACROSS + 1) - 1, -1),
                              np.arange(ALONG - 1, 0, -1) * (ACROSS + 1)])
     rim = np.stack([above.reshape(-1, 3)[around], below.reshape(-1, 3)[around]])
-    outwards = tile.unit(rim.mean(axis=0) - above.reshape(-1, 3).mean(axis=0))
-    part.add((rim + place).reshape(-1, 3), np.tile(outwards, (2, 1)), tile.lattice(2, len(around), closed=True), upper)
+    forwards = np.roll(rim[0], -1, axis=0) - np.roll(rim[0], 1, axis=0)  # clockwise, seen from above
+    outwards = tile.unit(np.cross(forwards, rim[1] - rim[0]))
+    front = np.where(v.ravel()[around] > 0.5, 2, upper)
+    part.add((rim + place).reshape(-1, 3), np.tile(outwards, (2, 1)), tile.lattice(2, len(around), closed=True),
+             np.tile(front, 2))
 
 
 def main():
@@ -68,7 +71,7 @@ def main():
     tile.begin()
     part = tile.Part('scales', [tile.material('green', (0.02, 0.30, 0.20), roughness=0.35, specular=0.6),
                                 tile.material('deep green', (0.02, 0.20, 0.19), roughness=0.35, specular=0.6),
-                                tile.material('copper', (0.85, 0.27, 0.05), roughness=0.5, specular=0.3)])
+                                tile.material('copper', (0.80, 0.25, 0.05), roughness=0.45, specular=0.4)])
     for row in range(ROWS):
         for column in range(COLUMNS):
             x, y = (column + 0.25 + 0.5 * (row % 2)) / COLUMNS, 1 - (row + 0.1) / ROWS

@@ -29,7 +29,7 @@ import bake_exr  # noqa: E402
 GAP = 4
 # Rows and columns of the images shown: views and lights, theta and phi; the nearest of the data set.
 VIEWS = [(0, 0), (30, 270), (60, 270), (60, 90)]
-LIGHTS = [(0, 0), (45, 120), (60, 0), (75, 240)]
+LIGHTS = [(0, 0), (45, 120), (60, 0), (60, 260)]
 
 
 def write_png(path, codes):

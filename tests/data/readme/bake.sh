@@ -17,7 +17,7 @@ PATH=$build/encoder:$build/decoder/tools:$build/decoder/tools/render:$root/encod
 export OMP_WAIT_POLICY=passive
 options=${BTF_BAKE_OPTIONS:---texels 64 --directions ubo --samples 16}
 python=/usr/bin/python3 # whose numpy apt installs
-size=256 repeat=5 light=40,120
+size=256 repeat=5
 
 blender() {
     command blender --factory-startup -b --python-exit-code 1 "$@" >blender.log 2>&1 || {
@@ -28,15 +28,15 @@ blender() {
 cycles() { # SCENE WHAT OUT OPTION...: a picture by Cycles alone
     local scene=$1
     shift
-    blender "$scene" -P "$here/bake_cycles.py" -- "$@" --size $size --samples 128 --light $light
+    blender "$scene" -P "$here/bake_cycles.py" -- "$@" --size $size --samples 128 --light "$light"
 }
 seconds() { # NAME COMMAND...: runs it and adds its core seconds to NAME.seconds, also where it is stopped
     "$python" "$here/bake.py" seconds "$@"
 }
 
-# Scene, and how its model is shown: mesh, repeats, view, zoom.
-for each in knit:drape:2.5:20,-60:0.92 gravel:torus:4:50,-90:1.3 scales:torus:4:50,-90:1.3; do
-    IFS=: read -r name mesh times view zoom <<<"$each"
+# Scene, light, and how its model is shown: mesh, repeats, view, zoom.
+for each in knit:40,120:drape:2.5:20,-60:0.92 gravel:40,120:torus:4:50,-90:1.3 scales:50,-65:torus:4:50,-90:1.3; do
+    IFS=: read -r name light mesh times view zoom <<<"$each"
     echo "$name" >&2
     [ -f "$name.blend" ] || {
         blender -P "$root/encoder/bake/scenes/$name.py" -- -o "$name.blend"
@@ -44,19 +44,20 @@ for each in knit:drape:2.5:20,-60:0.92 gravel:torus:4:50,-90:1.3 scales:torus:4:
     }
     [ -f "$name.baked" ] || {
         # shellcheck disable=SC2086 # options are several words
-        seconds "$name-bake.seconds" btf-bake "$name.blend" -o "$name" $options
+        seconds "$name-bake.seconds" "$python" "$root/encoder/bake/btf-bake.py" \
+            "$name.blend" -o "$name" $options
         touch "$name.baked"
     }
     [ -f "$name.btf.exr" ] ||
         seconds "$name-encode.seconds" btf-encode "$name" -o "$name.btf.exr" --report "$name.json" -q
     [ -f "$name-surface.exr" ] || cycles "$name.blend" surface "$name-surface.exr"
     btf-render "$name.btf.exr" -o "$name-model.exr" --mesh "$mesh" --repeat "$times" --view "$view" --zoom "$zoom" \
-        --size $size --samples 3 --light 45,110 --cast-shadows --filter steep --exposure 0.4 --background 0.8 --quiet
+        --size $size --samples 3 --light "$light" --cast-shadows --filter steep --exposure 0.4 --background 0.8 --quiet
     "$python" "$here/bake.py" row "$here/bake-$name.png" "$name-surface.exr" "$name" "$name-model.exr"
 
     [ -f "$name-truth.exr" ] || cycles "$name.blend" sphere "$name-truth.exr" --repeat $repeat
     btf-render "$name.btf.exr" -o "$name-sphere.exr" --mesh sphere --repeat $repeat --fov 0 --zoom 0.9 --size $size \
-        --samples 4 --light $light --filter steep --quiet
+        --samples 4 --light "$light" --filter steep --quiet
     "$python" "$here/bake.py" compare "$here/bake-$name-sphere.png" "$name-truth.exr" "$name-sphere.exr" >"$name-sphere.json"
     btf-info --json "$name.btf.exr" >"$name-info.json"
 done
