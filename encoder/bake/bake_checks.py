@@ -10,6 +10,8 @@ from bake_settings import BAD_FILE, BakeError
 
 MISSED = 1e9          # depths of rays that meet nothing are beyond it
 GLOWS = 1e-5          # radiance without a light that counts as emission
+ASIDE = 1e-3          # texels: rays through the very centres would meet edges of meshes laid on the same grid
+SUNK = 0.02           # tiles: a surface that lies deeper than that below its reference plane
 LEAST_PROBE = 64      # pixels along the shorter side of a probe
 
 
@@ -18,7 +20,7 @@ class Probe:
 
     def __init__(self, baking, view, path, factor=1, samples=1):
         scene, s = baking.scene, baking.settings
-        baking.set_view(view)
+        baking.set_view(view, ASIDE)
         baking.shine(False)
         bake_scene.write_passes(scene)
         bake_scene.set_size(scene, s, factor)
@@ -72,18 +74,24 @@ def check(baking, views, lights, path, report):
                         f'objects fill x {low[0]:.4g} to {high[0]:.4g}, y {low[1]:.4g} to {high[1]:.4g} (--tile)')
     heights = top.position[~top.missed][:, 2]
     lowest, highest = float(heights.min()), float(heights.max())
+    # What is seen, and the mesh without what its material displaces: the camera can come down to that.
+    baking.heights = (min(lowest + s.z, float(baking.bounds.low[2])), max(highest + s.z, float(baking.bounds.high[2])))
     above = float(baking.bounds.high[2]) - s.z
     if max(above, highest) > 1e-4 * max(s.tile[2:]):
         found.append(f"'{baking.bounds.furthest[2, 1][1]}' protrudes by {max(above, highest):.4g} above the reference plane "
                      f'at z = {s.z:g}: what lies in that plane stays where it is from view to view, so it should be the '
                      f'top; --z {s.z + max(above, highest):.4g}')
-    elif highest < -1e-4 * max(s.tile[2:]):
-        found.append(f'the highest point that is seen lies {-highest:.4g} below the reference plane at z = {s.z:g}, so that '
-                     f'all of it moves from view to view; --z {s.z + highest:.4g} rests on it')
+    elif max(above, highest) < -SUNK * max(s.tile[2:]):
+        found.append(f'all lies {-max(above, highest):.4g} or more below the reference plane at z = {s.z:g}, and so moves from '
+                     f'view to view; --z {s.z + max(above, highest):.4g} rests on it')
     tiles = ''
     if s.repeat:
         found += _outside(baking)
-        x, y, needed = baking.repeat(lowest, max(highest, 0), views, lights)
+        # Where a part of the tile is open, its neighbours may show deeper ones.
+        deepest = float(baking.bounds.low[2]) - s.z if top.missed.any() else lowest
+        x, y, needed = baking.repeat(min(deepest, lowest), max(highest, 0), views, lights)
+        if top.missed.any():
+            top = Probe(baking, (0.0, 0.0), path, factor)
         tiles = f', {2 * x + 1} x {2 * y + 1} tiles'
         if needed > bake_scene.MOST_RINGS:
             found.append(f'heights of {lowest:.4g} to {highest:.4g} in a tile of {s.tile[2]:g} x {s.tile[3]:g} would need '

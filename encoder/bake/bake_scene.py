@@ -169,6 +169,10 @@ class BakeScene:
             raise BakeError(BAD_FILE, f"object '{self.bounds.bare[0]}' has faces without a material"
                             + (f', and so have {len(self.bounds.bare) - 1} more' if self.bounds.bare[1:] else ''))
 
+        # From where to where there is something; a material may displace it by as much as that again.
+        low, high = float(self.bounds.low[2]), float(self.bounds.high[2])
+        self.heights = low - (high - low), high + (high - low) + max(s.tile[2:])
+
         anchor = self._new(bpy.data.objects, 'btf-bake anchor', None)
         camera = self._new(bpy.data.cameras, 'btf-bake camera')
         camera.type, camera.sensor_fit, camera.ortho_scale = 'ORTHO', 'HORIZONTAL', s.tile[2]
@@ -212,18 +216,20 @@ class BakeScene:
     def set_light(self, light):
         self.sun.rotation_quaternion = Vector(bake_directions.vector(light)).to_track_quat('Z', 'Y')
 
-    def set_view(self, view):
-        """Points the camera: parallel rays that pass through the reference plane on the texels' grid."""
+    def set_view(self, view, aside=0.0):
+        """Points the camera: parallel rays that pass through the reference plane on the texels' grid, shifted by `aside`
+        texels."""
         x, y, z = bake_directions.vector(view)
-        tile, low, high = self.settings.tile, float(self.bounds.low[2]), float(self.bounds.high[2])
-        # Well above all that there is, also what a material displaces: the rays only have to pass through air there.
-        top = max(high, self.settings.z) + (high - low) + max(tile[2:])
+        tile, low, high = self.settings.tile, *self.heights
+        # Above all that there is; not far, for the sake of float coordinates.
+        top = max(high, self.settings.z) + 0.05 * (high - low) + 0.01 * max(tile[2:])
         along = (top - self.settings.z) / z
-        foot = tile[0] + tile[2] / 2, tile[1] + tile[3] / 2, self.settings.z
+        foot = (tile[0] + tile[2] * (0.5 + aside / self.settings.texels[0]),
+                tile[1] + tile[3] * (0.5 + 0.7 * aside / self.settings.texels[1]), self.settings.z)
         self.camera.matrix_parent_inverse = Matrix(((1, 0, x, foot[0] + along * x), (0, 1, y, foot[1] + along * y),
                                                     (0, 0, z, foot[2] + along * z), (0, 0, 0, 1)))
         self.camera.data.clip_start = 1e-6 * max(tile[2:])
-        self.camera.data.clip_end = 2 * (top - low + (high - low) + max(tile[2:])) / z
+        self.camera.data.clip_end = 2 * (top - low + max(tile[2:])) / z
 
     def render(self, path, seed):
         """Renders to `path`, as it is set. Raises BakeError."""
@@ -258,7 +264,7 @@ def configure(scene, s, source):
     c.light_sampling_threshold = 0
     c.use_denoising = c.use_adaptive_sampling = c.use_fast_gi = c.use_animated_seed = False
     c.caustics_reflective = c.caustics_refractive = True
-    c.samples, c.sample_offset, c.time_limit = s.samples, 0, 0
+    c.samples, c.time_limit = s.samples, 0
     c.max_bounces = c.diffuse_bounces = c.glossy_bounces = c.transmission_bounces = c.volume_bounces = s.bounces
     c.min_light_bounces = c.min_transparent_bounces = 0
     c.transparent_max_bounces = max(source.cycles.transparent_max_bounces, 8)
@@ -279,6 +285,9 @@ def write_image(scene):
     layer = scene.view_layers[0]
     layer.use_pass_position = layer.use_pass_z = False
     scene.cycles.pixel_filter_type = 'BOX'
+    # Cycles sends its very first path through the centre of the pixel. That point would weigh more than the others of the
+    # box, and lies on edges of meshes laid on the same grid, where a ray may slip through: it is passed over.
+    scene.cycles.sample_offset = 1
 
 
 def write_passes(scene):
@@ -289,7 +298,7 @@ def write_passes(scene):
     image.file_format, image.color_depth, image.exr_codec = 'OPEN_EXR_MULTILAYER', '32', 'NONE'
     layer = scene.view_layers[0]
     layer.use_pass_position = layer.use_pass_z = True
-    scene.cycles.pixel_filter_type, scene.cycles.filter_width = 'GAUSSIAN', 0.01
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width, scene.cycles.sample_offset = 'GAUSSIAN', 0.01, 0
 
 
 def set_size(scene, s, factor=1):

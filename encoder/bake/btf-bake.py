@@ -255,6 +255,13 @@ def end_child(child):
         child.wait()
 
 
+def environment(blender, scratch):
+    """Of Blender. A Blender without a Python of its own, such as Debian's, takes the modules of the first python3 on the
+    PATH: that should be the one beside it."""
+    path = os.pathsep.join([os.path.dirname(os.path.abspath(blender)), '/usr/bin', os.environ.get('PATH', os.defpath)])
+    return {**os.environ, 'PATH': path, 'TMPDIR': scratch, 'PYTHONDONTWRITEBYTECODE': '1'}
+
+
 def bake(blender, scene, settings, quiet):
     """Runs Blender. Returns what it says at the end; raises BakeError, Stop."""
     end, shown = None, Shown(quiet)
@@ -269,8 +276,7 @@ def bake(blender, scene, settings, quiet):
         with open(log, 'wb') as output:
             # In a session of its own: Ctrl-C goes to the driver alone, which ends Blender.
             child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, pass_fds=[writer],
-                                     start_new_session=True, env={**os.environ, 'TMPDIR': scratch,
-                                                                  'PYTHONDONTWRITEBYTECODE': '1'})
+                                     start_new_session=True, env=environment(blender, scratch))
         os.close(writer)
         try:
             with os.fdopen(reader, encoding='utf-8') as reports:

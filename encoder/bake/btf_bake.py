@@ -155,37 +155,43 @@ def _record(settings):
     return record
 
 
-def begin(settings, output, report):
-    """Writes the record of a data set, or compares it with the one that is there. Raises BakeError where the folder holds
-    something else."""
+def compare_record(record, output, report):
+    """Compares the record of a bake with the one in the folder. Returns whether there is one; raises BakeError where the
+    folder holds something else."""
     path = os.path.join(output.folder, RECORD)
-    record = _record(settings)
     try:
-        if os.path.exists(path):
-            with open(path, encoding='utf-8') as file:
-                before = json.load(file)
-            for name, value in record.items():
-                if before.get(name) == value or (name == 'scene_sha256' and '' in (value, before.get(name))):
-                    continue
-                if name in ('blender', 'scene'):
-                    report('warning', text=f'{path}: {name} was {before.get(name)}, now {value}')
-                    continue
-                was, now = ('other ones', 'these') if name == 'images' else (before.get(name), value)
-                raise BakeError(IO, f'{path}: begun with other settings: {name} was {was}, now {now}; take another folder, the '
-                                'settings of before, or delete the folder')
-            return
-        strangers = [name for name in os.listdir(output.folder) if not name.startswith('.')]
-        if strangers and os.path.exists(path):  # by another part, a moment ago
-            begin(settings, output, report)
-            return
-        if strangers:
-            raise BakeError(IO, f"{output.folder}: holds '{sorted(strangers)[0]}' and no {RECORD}: not a folder of a bake")
+        strangers = sorted(name for name in os.listdir(output.folder) if not name.startswith('.'))
+        if not os.path.exists(path):
+            if strangers:
+                raise BakeError(IO, f"{output.folder}: holds '{strangers[0]}' and no {RECORD}: not a folder of a bake")
+            return False
+        with open(path, encoding='utf-8') as file:
+            before = json.load(file)
+    except OSError as error:
+        raise _unwritable(error, path) from None
+    except ValueError as error:
+        raise BakeError(IO, f'{path}: {error}') from None
+    differ = [name for name in record if before.get(name) != record[name]]
+    if 'scene_sha256' in differ and '' in (record['scene_sha256'], before.get('scene_sha256')):
+        differ.remove('scene_sha256')
+    for name in [name for name in differ if name not in ('blender', 'scene')]:
+        was, now = ('other ones', 'these') if name == 'images' else (before.get(name), record[name])
+        raise BakeError(IO, f'{path}: begun with other settings: {name} was {was}, now {now}; take another folder, the settings '
+                        'of before, or delete the folder')
+    for name in differ:
+        report('warning', text=f'{path}: {name} was {before.get(name)}, now {record[name]}')
+    return True
+
+
+def write_record(record, output):
+    """Writes the record of a data set, which other parts may do at the same time: it is the same file."""
+    try:
         with open(output.beside, 'w', encoding='utf-8') as file:
             json.dump(record, file, indent=1)
             file.write('\n')
-        output.commit(RECORD)
-    except (OSError, ValueError) as error:
-        raise _unwritable(error, path) if isinstance(error, OSError) else BakeError(IO, f'{path}: {error}') from None
+    except OSError as error:
+        raise _unwritable(error, output.beside) from None
+    output.commit(RECORD)
 
 
 def image_seed(seed, view, light):
@@ -266,6 +272,11 @@ def run(settings, report=None):
     Returns {'images': of this part, 'rendered': by this run, 'missing': of the whole data set, 'seconds', 'triangles'}.
     Raises BakeError, whose text is for the user and whose code is an exit code of the tools."""
     import bpy
+    try:
+        import numpy  # noqa: F401
+    except ImportError:
+        raise BakeError(UNSUPPORTED, f'the Python {sys.version.split()[0]} of Blender {bpy.app.version_string} has no numpy: '
+                        "install Debian's package python3-numpy") from None
     import bake_checks
     import bake_scene
     start = time.monotonic()
@@ -286,7 +297,8 @@ def run(settings, report=None):
     try:
         if settings.output:
             output = Output(settings.output)
-            begin(settings, output, report)
+            record = _record(settings)
+            begun = compare_record(record, output, report)
         if settings.position:
             position = Output(settings.position)
         with bake_scene.BakeScene(settings) as baking:
@@ -297,6 +309,8 @@ def run(settings, report=None):
             if position:
                 render_positions(settings, baking, position, views, report)
             if output:
+                if not begun:
+                    write_record(record, output)
                 rendered = render_images(settings, baking, output, report)
     finally:
         for each in (output, position):
