@@ -1,0 +1,142 @@
+"""Installs the add-on from its zip as a user does, and uses it: check_addon.sh starts it, in a folder of its own.
+
+    BLENDER_USER_SCRIPTS=DIR blender -b SCENE.blend --python-exit-code 1 -P check_addon.py -- ADDON.zip BTF-ENCODE
+
+Prints a line for each check in the form that tests/summary.py counts, and exits 1 where one fails.
+
+SPDX-License-Identifier: MIT
+"""
+import glob
+import os
+import sys
+import time
+
+import addon_utils
+import bpy
+
+FAILED = []
+MODULE = 'openbtf_bake'
+
+
+def report(name, right, complaint=''):
+    print(f'[ RUN      ] {name}')
+    if not right:
+        print(complaint)
+        FAILED.append(name)
+    print(f'[{"       OK " if right else "  FAILED  "}] {name}', flush=True)
+
+
+def there():
+    """What of the add-on Blender knows: the setting of a scene, operators, panels, a line of a menu."""
+    menu = [each for each in bpy.types.TOPBAR_MT_file_export._dyn_ui_initialize() if each.__module__.startswith(MODULE)]
+    classes = [name for name in ('MATERIAL_PT_btf_bake', 'MATERIAL_PT_btf_bake_more', 'BTF_OT_bake', 'BTF_OT_export', 'BTF_OT_preview')
+               if getattr(bpy.types, name, None) is not None]
+    return hasattr(bpy.types.Scene, 'btf_bake'), len(classes), len(menu)
+
+
+def refused(operator, **options):
+    """The message with which an operator refuses, or an empty text."""
+    try:
+        operator(**options)
+    except RuntimeError as error:
+        return str(error)
+    return ''
+
+
+def images(folder):
+    return sorted(os.path.relpath(path, folder) for path in glob.glob(f'{folder}/**/*tl*.exr', recursive=True))
+
+
+def bytes_of(folder):
+    found = []
+    for name in images(folder):
+        with open(os.path.join(folder, name), 'rb') as file:
+            found.append(file.read())
+    return found
+
+
+def check_settings():
+    """Each setting of a bake can be set, and has the default that it has elsewhere."""
+    from bake_settings import Settings
+    from openbtf_bake import properties
+    own, default = bpy.context.scene.btf_bake, Settings()
+    fields = set(Settings.__dataclass_fields__)
+    shown = {each.identifier for each in own.bl_rna.properties}
+    lacking = fields - shown - properties.NO_PROPERTIES
+    report('addon-has-every-setting', not lacking, f'not in the panel: {lacking}')
+    report('addon-has-no-other', properties.NO_PROPERTIES < fields, f'{properties.NO_PROPERTIES - fields}')
+    made = own.settings(bpy.context)
+    other = [name for name in properties.BTFSettings.names() if name != 'output' and name != 'sun_angle' and
+             getattr(made, name) != getattr(default, name)]
+    report('addon-defaults', not other and abs(made.sun_angle - default.sun_angle) < 1e-6, f'{other} {made}')
+
+
+def check_bakes(encoder):
+    own = bpy.context.scene.btf_bake
+    own.texels, own.directions, own.samples, own.encoder = (8, 8), 'tiny', 1, encoder
+    report('addon-preview', bpy.ops.btf.preview() == {'FINISHED'} and 'BTF preview' in bpy.data.images and
+           min(bpy.data.images['BTF preview'].size) > 8, f'{list(bpy.data.images)}')
+
+    own.output = os.path.abspath('within')
+    report('addon-bake', bpy.ops.btf.bake() == {'FINISHED'} and len(images('within')) == 25, f'{images("within")}')
+    report('addon-export', bpy.ops.btf.export(filepath=os.path.abspath('within.btf.exr')) == {'FINISHED'} and
+           os.path.getsize('within.btf.exr') > 1000, 'no material')
+
+    # The same beside the window: another process, whose images are the same.
+    from openbtf_bake import job
+    made = job.Job(own.settings(bpy.context, output=os.path.abspath('beside')),
+                   [encoder, os.path.abspath('beside'), '-o', os.path.abspath('beside.btf.exr'), '-q'])
+    said = set()
+    while not made.done:
+        made.poll()
+        said.add(made.said)
+        time.sleep(0.01)
+    made.close()
+    report('addon-job', not made.error and bytes_of('beside') == bytes_of('within') != [], f'{made.error} {images("beside")}')
+    report('addon-job-tells', any('25' in text for text in said), f'{said}')
+    report('addon-job-encodes', os.path.exists('beside.btf.exr'), 'no material')
+    report('addon-job-leaves-nothing', not glob.glob(os.path.join(bpy.app.tempdir, '..', 'btf-bake-*', '*.blend')), 'a scene')
+
+    bad = job.Job(own.settings(bpy.context, output=os.path.abspath('bad'), collection='none'))
+    while not bad.done:
+        bad.poll()
+        time.sleep(0.01)
+    bad.close()
+    report('addon-job-error', "'none'" in bad.error, bad.error)
+    stopped = job.Job(own.settings(bpy.context, output=os.path.abspath('stopped')))
+    stopped.close()
+    report('addon-job-stops', stopped.done and len(images('stopped')) < 25, f'{images("stopped")}')
+
+
+def check_refusals():
+    own = bpy.context.scene.btf_bake
+    own.collection = 'nowhere'
+    text = refused(bpy.ops.btf.bake)
+    report('addon-no-collection', "'nowhere'" in text, text)
+    own.collection = 'BTF'
+    own.directions = 'ubu'
+    text = refused(bpy.ops.btf.bake)
+    report('addon-no-directions', "'ubu'" in text, text)
+    own.directions = 'tiny'
+    own.encoder = '/nowhere/btf-encode'
+    text = refused(bpy.ops.btf.export, filepath=os.path.abspath('none.btf.exr'))
+    report('addon-no-encoder', '/nowhere/btf-encode' in text and not os.path.exists('none.btf.exr'), text)
+
+
+def main():
+    archive, encoder = sys.argv[sys.argv.index('--') + 1:]
+    bpy.ops.preferences.addon_install(filepath=archive)
+    report('addon-off-at-first', there() == (False, 0, 0), f'{there()}')
+    for time_ in ('first', 'second'):
+        addon_utils.enable(MODULE, default_set=True)
+        report(f'addon-registers-{time_}', there() == (True, 5, 1), f'{there()}')
+        if time_ == 'first':
+            check_settings()
+            check_bakes(encoder)
+            check_refusals()
+        addon_utils.disable(MODULE, default_set=True)
+        report(f'addon-unregisters-{time_}', there() == (False, 0, 0), f'{there()}')
+    sys.exit(1 if FAILED else 0)
+
+
+main()
