@@ -10,6 +10,8 @@ import { Textures, fits, selfTest, upload } from '/package/webgpu.js';
 import { make, pack } from '/page/arguments.js';
 import { WANTED, changed, differing, optionsOf, plane } from '/page/compare.js';
 import { compile, device, evaluate } from './compute.js';
+import { runExample } from './example.js';
+import { draw } from './fragment.js';
 
 /* Of materials against the reference: 3 * 168,000 values are more than 500,000; the short form has an eighth. */
 const MANY = 168000, FEW = 21000;
@@ -188,6 +190,19 @@ async function compareProtection(gpu, name) {
     await note(`a * b + a * c of 65,536 triples without them: ${plain} sums differ`);
 }
 
+/** Drawing gives the bits that a compute shader gives. */
+async function compareDrawn(gpu, name) {
+    const side = 128;
+    const material = await open(await bytes(`/golden/${name}`));
+    const { uv, light, view } = make(material, side * side, 3);
+    const textures = await upload(gpu, material, wgsl({}), GPUShaderStage.FRAGMENT);
+    const got = await draw(gpu, material.source(wgsl({})), textures, pack(uv, light, view), side);
+    const different = differing(got, new Uint32Array(material.evaluate(uv, light, view, { reference: true }).buffer), side * side);
+    textures.destroy();
+    material.close();
+    await report(`drawn: ${name}, ${3 * side * side} values, 0 bits differ`, different ? `${different} values differ` : '');
+}
+
 /** What is refused, and what an upload says of itself. */
 async function checkUpload(gpu, name) {
     const material = await open(await bytes(`/golden/${name}`));
@@ -245,6 +260,8 @@ async function run() {
     await report('self-test', failures ? names.join(', ') : '');
     await checkUpload(gpu, 'v1-tight.btf.exr');
     await compareProtection(gpu, 'v1-tight.btf.exr');
+    await compareDrawn(gpu, 'v2-relief.btf.exr');
+    await runExample(report, 'v1-tight.btf.exr', 'expected.txt');
     if (job.texts) {
         await compileTexts(gpu);
     }
