@@ -423,12 +423,24 @@ class Material:
              first_binding=0, descriptor_set=0, prefix="btf", have_precise=False, picks="none", fold="none"):
         """The GLSL that decodes this material (openbtf/shader.h): btf_evaluate(uv, l, v) and its kin. Every option is as
         in btf_shader_options."""
+        return self._source(effects, components, interpolation, filter, math, int(have_precise),
+                            _choice(_BINDINGS, bindings, "bindings"), first_binding, descriptor_set, prefix, picks, fold, language=0)
+
+    def wgsl(self, effects=None, components=None, interpolation="linear", filter="texel", math="exact", first_binding=0,
+             descriptor_set=0, prefix="btf", picks="none", fold="none"):
+        """The same in WGSL, for WebGPU: textures in group `descriptor_set`, from `first_binding` on."""
+        return self._source(effects, components, interpolation, filter, math, 0, 0, first_binding, descriptor_set, prefix, picks,
+                            fold, language=1)
+
+    def _source(self, effects, components, interpolation, filter, math, have_precise, bindings, first_binding, descriptor_set,
+                prefix, picks, fold, language):
+        """The text of btf_shader_source, in a btf_language."""
         options = c.ShaderOptions(
             sizeof(c.ShaderOptions), _leave_out(effects), _components(components),
             _choice(_INTERPOLATIONS, interpolation, "interpolation"), _choice(_FILTERS, filter, "filter"),
-            _choice(_MATHS, math, "math"), int(have_precise), _choice(_BINDINGS, bindings, "bindings"), first_binding,
-            descriptor_set, prefix.encode())
+            _choice(_MATHS, math, "math"), have_precise, bindings, first_binding, descriptor_set, prefix.encode())
         options.picks, options.fold = _choice(_PICKS, picks, "picks"), _choice(_FOLDS, fold, "fold")
+        options.language = language
         messages, text = c.Messages(), c_void_p()
         messages.check(c.library.btf_shader_source(self._handle.pointer, byref(options), messages.pointer, byref(text)))
         try:

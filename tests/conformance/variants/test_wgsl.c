@@ -242,6 +242,11 @@ static int check_checks(const uint8_t *row) {
     fprintf(stderr, "Complaints that are meant to be seen:\n");
     char *product = strstr(text, "^ btf_zero"), *name = strstr(text, "btf_lookup("),
          *brace = strrchr(text, '}');
+    if (!product || !name || !brace) {
+        fprintf(stderr, "a text without a product, a lookup or a brace\n");
+        btf_free(text);
+        return 1;
+    }
     product[0] = '+';
     int noticed = check_protection(text, row) > 0;
     name[4] = 'L'; /* the declaration, so that calls name nothing */
