@@ -309,7 +309,7 @@ class Documents(unittest.TestCase):
             result = doctest.testmod(module)
             self.assertEqual(result.failed, 0)
             tried += result.attempted
-        self.assertGreater(tried, 3)
+        self.assertGreater(tried, 20)
 
     def test_everything_has_a_docstring(self):
         for name in openbtf.__all__:

@@ -89,7 +89,7 @@ class ShaderOptions(ctypes.Structure):
     _fields_ = [("struct_size", c_size_t), ("leave_out", c_uint32), ("components", c_uint32), ("interpolation", c_int),
                 ("filter", c_int), ("math", c_int), ("have_precise", c_int), ("bindings", c_int), ("first_binding", c_uint32),
                 ("descriptor_set", c_uint32), ("prefix", c_char_p), ("fixed", c_uint32), ("fixed_view", c_float * 3),
-                ("fixed_light", c_float * 3), ("picks", c_int), ("fold", c_int)]
+                ("fixed_light", c_float * 3), ("picks", c_int), ("fold", c_int), ("language", c_int)]
 
 
 class EvaluateOptions(ctypes.Structure):
