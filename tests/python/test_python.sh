@@ -56,6 +56,17 @@ expect 'the program of README.md' 0 "$interpreter" program.py
 expect_text 'which encodes' 'save.*100|100.*save' out
 expect_that 'and writes a shader' grep -q btf_evaluate cloth.frag
 
+# One script for a zip of UBO2003, a Bonn file and a material.
+"$build/tests/tools/bonn_sample" bonn.btf
+script=$root/decoder/python/examples/lights.py
+expect 'a script on a zip and its material' 0 "$interpreter" "$script" UBO2003.zip cloth.btf.exr
+expect_text 'the same brightness' 'RMS against the first: 0\.0[012]' out
+expect 'on a folder, which is the same as the zip' 0 "$interpreter" "$script" set UBO2003.zip
+expect_text 'the same numbers' 'RMS against the first: 0\.00000' out
+expect 'on a Bonn file' 0 "$interpreter" "$script" bonn.btf
+expect_text 'seven lights' 'Data bonn.btf: 7 views, 7 lights, 16 x 16 texels' out
+expect 'on what is neither' 1 "$interpreter" "$script" program.py
+
 expect 'the example' 0 "$interpreter" "$root/decoder/python/examples/abrdf.py" \
     "$root/tests/data/golden/v1-tight.btf.exr" "$root/tests/data/golden/v2-relief.btf.exr" -o lobes
 expect_that 'its picture or table' test -s lobes.png -o -s lobes.csv

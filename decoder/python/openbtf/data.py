@@ -165,7 +165,20 @@ def read(path, transfer="auto", gamma=None, primaries="auto", cosine="auto", siz
     `transfer`: "auto", "srgb", "linear", or "auto" with `gamma`. `primaries`: "auto", "rgb", "xyz". `cosine`: whether
     values hold the light's cosine, "auto", "included", "missing". `size`: (width, height) to resize to. `crop`: (x, y,
     width, height) in pixels of the file. `names`: a table of the images' directions. `strict`: refuse values below 0.
-    `memory`: bytes for samples of archives and Bonn files, default 1 GiB. Raises what `openbtf.open` does."""
+    `memory`: bytes for samples of archives and Bonn files, default 1 GiB. Raises what `openbtf.open` does.
+
+    >>> import numpy, openbtf, tempfile
+    >>> angles = [(0, 0), (45, 0), (45, 120), (45, 240)]            # theta, phi
+    >>> samples = numpy.full((4, 4, 2, 3, 3), 0.25, numpy.float32)  # views, lights, rows, columns, channels
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> openbtf.write(folder.name, samples, angles, angles)
+    >>> d = openbtf.read(folder.name)
+    >>> d.shape
+    (4, 4, 2, 3, 3)
+    >>> d[0, :, 1, 2].shape                                         # one texel under all lights
+    (4, 3)
+    >>> folder.cleanup()
+    """
     options = InputOptions(
         struct_size=sizeof(InputOptions), transfer=3 if gamma is not None else _choice(_TRANSFERS, transfer, "transfer"),
         gamma=gamma or 0.0, primaries=_choice(_PRIMARIES, primaries, "primaries"), cosine=_choice(_COSINES, cosine, "cosine"),

@@ -227,7 +227,13 @@ class Material:
     def textures(self, level=0):
         """Textures of a level of detail by name (FORMAT.md section 3), as a GPU takes them: arrays of shape
         (layers, height, width, channels), (height, width, channels) where the texture is no array texture; row 0 is
-        the top of the image. Read-only, without copies. Levels above 0 hold only what they do not share with level 0."""
+        the top of the image. Read-only, without copies. Levels above 0 hold only what they do not share with level 0.
+
+        >>> import openbtf, os
+        >>> m = openbtf.open(os.environ["OPENBTF_SAMPLE"])
+        >>> m.textures()["view_table"].dtype
+        dtype('uint16')
+        """
         if not 0 <= level < self.levels:
             raise c.UsageError("level %r is not within 0..%d" % (level, self.levels - 1), 1)
         found = {}
@@ -277,8 +283,14 @@ class Material:
         return self._evaluate_many(options, count, threads, uv, None, l, v, levels, fixed).reshape(shape + (3,))
 
     def image(self, view, light, level=0, effects=None, components=None, interpolation="linear"):
-        """An image of the whole material: float32 (height, width, 3), row 0 the top. `view` and `light`: the number of a
-        sampled direction, or a unit vector."""
+        """What the whole material shows: float32 (height, width, 3), row 0 the top. `view` and `light`: the number of a
+        sampled direction, or a unit vector. The other options are those of `evaluate`.
+
+        >>> import openbtf, os
+        >>> m = openbtf.open(os.environ["OPENBTF_SAMPLE"])
+        >>> m.image(view=0, light=[0, 0.6, 0.8]).shape == m.texels + (3,)
+        True
+        """
         height, width = (max(1, side >> level) for side in self.texels)
         view, light = self._direction(view, self.views, "view"), self._direction(light, self.lights, "light")
         texels = np.empty((height, width, 2), np.uint32)
@@ -421,24 +433,43 @@ class Material:
 
     def glsl(self, effects=None, components=None, interpolation="linear", filter="texel", math="exact", bindings="none",
              first_binding=0, descriptor_set=0, prefix="btf", have_precise=False, picks="none", fold="none"):
-        """The GLSL that decodes this material (openbtf/shader.h): btf_evaluate(uv, l, v) and its kin. Every option is as
-        in btf_shader_options."""
-        return self._source(effects, components, interpolation, filter, math, int(have_precise),
-                            _choice(_BINDINGS, bindings, "bindings"), first_binding, descriptor_set, prefix, picks, fold, language=0)
+        """The GLSL that decodes this material (openbtf/shader.h): a text to stand behind your `#version` line and in front
+        of the shader that calls its btf_evaluate(uv, l, v).
 
-    def wgsl(self, effects=None, components=None, interpolation="linear", filter="texel", math="exact", first_binding=0,
-             descriptor_set=0, prefix="btf", picks="none", fold="none"):
-        """The same in WGSL, for WebGPU: textures in group `descriptor_set`, from `first_binding` on."""
-        return self._source(effects, components, interpolation, filter, math, 0, 0, first_binding, descriptor_set, prefix, picks,
-                            fold, language=1)
+        `effects`, `components`, `interpolation` and `filter`: as in `evaluate`. `math`: "exact", the same bits on every
+        device, or "fast". `bindings`: "none", "gl" (layout(binding = n)) or "vulkan" (with set, too); a texture has
+        `first_binding` and its number in `textures`' order of FORMAT.md. `prefix`: of all names. `picks`: "none", or "view",
+        "light", "all" for a stochastic decode. `have_precise`: `precise` is enabled by an extension. `fold`: "none", or the
+        fold that was made (openbtf/fold.h), "light", "both", "neighbours".
 
-    def _source(self, effects, components, interpolation, filter, math, have_precise, bindings, first_binding, descriptor_set,
-                prefix, picks, fold, language):
-        """The text of btf_shader_source, in a btf_language."""
+        >>> import openbtf, os
+        >>> m = openbtf.open(os.environ["OPENBTF_SAMPLE"])
+        >>> "vec3 cloth_evaluate(vec2 uv, vec3 l, vec3 v)" in m.glsl(prefix="cloth")
+        True
+        """
+        return self._shader(0, effects, components, interpolation, filter, math, bindings, first_binding, descriptor_set,
+                            prefix, have_precise, picks, fold)
+
+    def wgsl(self, effects=None, components=None, interpolation="linear", filter="texel", math="exact", group=0,
+             first_binding=0, prefix="btf", picks="none", fold="none"):
+        """The same in WGSL, the language of WebGPU: textures are bound in `group`, from `first_binding` on, and with exact
+        math a buffer of zeros, as openbtf/shader.h says. `btf-shader` of the command line writes more languages.
+
+        >>> import openbtf, os
+        >>> m = openbtf.open(os.environ["OPENBTF_SAMPLE"])
+        >>> "fn btf_evaluate(uv: vec2f, l: vec3f, v: vec3f) -> vec3f" in m.wgsl()
+        True
+        """
+        return self._shader(1, effects, components, interpolation, filter, math, "none", first_binding, group, prefix,
+                            False, picks, fold)
+
+    def _shader(self, language, effects, components, interpolation, filter, math, bindings, first_binding, descriptor_set,
+                prefix, have_precise, picks, fold):
         options = c.ShaderOptions(
             sizeof(c.ShaderOptions), _leave_out(effects), _components(components),
             _choice(_INTERPOLATIONS, interpolation, "interpolation"), _choice(_FILTERS, filter, "filter"),
-            _choice(_MATHS, math, "math"), have_precise, bindings, first_binding, descriptor_set, prefix.encode())
+            _choice(_MATHS, math, "math"), int(have_precise), _choice(_BINDINGS, bindings, "bindings"), first_binding,
+            descriptor_set, prefix.encode())
         options.picks, options.fold = _choice(_PICKS, picks, "picks"), _choice(_FOLDS, fold, "fold")
         options.language = language
         messages, text = c.Messages(), c_void_p()
@@ -454,7 +485,14 @@ class Material:
         `view` and `light`: None for every direction, (theta_min, theta_max) or (theta_min, theta_max, phi_min, phi_max)
         in degrees, or a unit vector as an array of 3 floats for one that never changes. `pixels`: side of a texel on
         the screen. `lights`: evaluations a pixel. `interpolate`: never nearest directions. `costs`: a file of prices of the
-        device (openbtf/cost.h); default those of llvmpipe."""
+        device (openbtf/cost.h); default those of llvmpipe.
+
+        >>> import openbtf, os
+        >>> m = openbtf.open(os.environ["OPENBTF_SAMPLE"])
+        >>> plan = m.plan(view=(0, 30), light=(0, 60, -90, 90))
+        >>> m.restrict(plan).gpu_bytes == plan.gpu_bytes <= m.gpu_bytes
+        True
+        """
         scene = c.Scene(struct_size=sizeof(c.Scene), pixels=pixels, lights=lights, interpolate=int(interpolate))
         for target, value, name in ((scene.view, view, "view"), (scene.light, light, "light")):
             if value is None:
