@@ -29,6 +29,7 @@ example  decoder/FORMAT.md#example
 languages shaders/README.md#languages
 levels   decoder/README.md#levels levels-off.png levels-on.png
 viewer   viewer.png
+web      web-viewer.png web-gallery.png
 between  README.md#headline between.png
 relief   encoder/relief/RELIEF.md#alone
 demo     hero.png montage.png figure13.png
@@ -70,7 +71,7 @@ done
 commit() { # of the sources; + where they were changed since, but for what is written here
     local at
     at=$(git -C "$root" rev-parse --short HEAD 2>/dev/null) || at=unknown
-    git -C "$root" diff --quiet HEAD -- '*.c' '*.cc' '*.h' '*.glsl' '*.sh' '*.py' 2>/dev/null || at=$at+$(git -C "$root" diff HEAD -- '*.c' '*.cc' '*.h' '*.glsl' '*.sh' '*.py' | cksum | cut -d' ' -f1)
+    git -C "$root" diff --quiet HEAD -- '*.c' '*.cc' '*.h' '*.glsl' '*.sh' '*.py' '*.js' '*.mjs' '*.css' '*.html' 2>/dev/null || at=$at+$(git -C "$root" diff HEAD -- '*.c' '*.cc' '*.h' '*.glsl' '*.sh' '*.py' '*.js' '*.mjs' '*.css' '*.html' | cksum | cut -d' ' -f1)
     echo "$at"
 }
 note() { # NAME: a line of made.txt
@@ -134,6 +135,9 @@ for i, level in enumerate(info["levels"]):
           f'{level["linear"]:.2f} / {level["srgb"]:.2f} |')
 print("<!-- /levels -->")
 P
+}
+part_web() { # of a build with -Dweb=true
+    node "$root/tests/web/viewer/pictures.mjs" "$build"/decoder/web/viewer/{viewer,gallery}.html "$pictures"
 }
 part_viewer() { "$pictures/make.sh" "$build" "$work/levels-$(commit)" viewer; }
 part_between() { # of BRICKS64 where it is there, else of the built-in sample
@@ -266,6 +270,7 @@ targets_of() { # a part: its programs
     example) echo tests/unit/example_file ;;
     languages) echo decoder/tools/shader/btf-shader tests/conformance/shader/run_shader ;;
     levels) echo encoder/btf-encode decoder/tools/{btf-info,render/btf-render} tests/sample/btf-sample ;;
+    web) echo decoder/web/viewer/{viewer,gallery}.html ;;
     viewer) echo encoder/btf-encode decoder/tools/view/btf-view tests/sample/btf-sample ;;
     pathtrace) echo encoder/btf-encode decoder/examples/pathtrace ;;
     relief) echo encoder/btf-{encode,compare} tests/sample/btf-sample ;;

@@ -5,7 +5,7 @@ OUT opens from anywhere, also from file://, and asks for nothing else. Needs esb
 
     --built FOLDER      has openbtf.wasm and NOTICES.txt, which ../wasm/build.sh wrote
     --materials FOLDER  has materials.json, a list of {"name": short, "title":, "about":, "file": NAME.btf.exr, "still":
-                        NAME.png}; files are beside it. samples.sh writes such a folder
+                        NAME.png, "view": what its link shows}; files are beside it. samples.sh writes such a folder
     --gallery           all materials go in, with cards to choose one; else the first alone
     --depfile FILE      gets what was read, for ninja
 
@@ -84,7 +84,8 @@ def gallery(folder, materials):
     cards = []
     for material in materials:
         still = f'data:image/png;base64,{base64_text(read(os.path.join(folder, material["still"])))}'
-        cards.append(f'<li><a href="#material={html.escape(material["name"])}"><img src="{still}" alt="" width="400" height="300">'
+        link = html.escape(f'#material={material["name"]}&{material.get("view", "")}'.rstrip('&'))
+        cards.append(f'<li><a href="{link}"><img src="{still}" alt="" width="400" height="300">'
                      f'<h3>{html.escape(material["title"])}</h3><p>{html.escape(material["about"])}</p></a></li>')
     return ('<section id="gallery" aria-labelledby="gallery-title" hidden><div><h2 id="gallery-title">Materials in OpenBTF</h2>'
             '<p>Each is a surface under every view and every light, encoded into one file and decoded in your browser. '

@@ -165,8 +165,10 @@ export class Panel {
         byId('units-row').hidden = !info.effects.includes('residual') || info.components < 2;
         byId('units').max = String(info.components || 1);
         const bare = info.colour === 'none' ? 'Only the residual' : 'Every effect left out';
-        byId('compare').replaceChildren(...[['off', 'No line'], ['full', 'Everything decoded'], ['bare', bare],
-            ...info.effects.filter((effect) => effect !== 'residual' || info.colour !== 'none').map((effect) => [effect, `Without ${WORDS[effect].toLowerCase()}`]),
+        // where the residual is all that there is, it is not left out
+        const leftOut = info.effects.filter((effect) => effect !== 'residual' || info.colour !== 'none');
+        byId('compare').replaceChildren(...[['off', 'No line'], ['full', 'Everything decoded'], ...(leftOut.length ? [['bare', bare]] : []),
+            ...leftOut.map((effect) => [effect, `Without ${WORDS[effect].toLowerCase()}`]),
         ].map(([value, text]) => element('option', { value }, text)));
         this.show();
     }

@@ -14,22 +14,23 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 sample=$build/tests/sample/btf-sample encode=$build/encoder/btf-encode render=$build/decoder/tools/render/btf-render
 
-# name, what a sample is, its title, what it shows; model, view and light of its picture
-materials='bricks|Bricks|Deep joints that shadow themselves and hide as the view sinks|drape|28,-62|50,125
-bumps|Pebbles|Rounded pebbles that hide one another as the view sinks|sphere|25,-70|55,140
-weave|Weave|A plain weave of threads in two colours|torus|30,-80|50,130
-flat|Flat|No relief: a painted plane with a gloss, for comparison|plane|35,-60|40,120'
+# name of btf-sample, title, what it shows; model, repeats, view, light and zoom of its picture; options of btf-encode
+materials='bricks|Bricks|Deep joints that shadow themselves and hide as the view sinks|cloth|2|25,55|50,125|0.95|--effects shift,gain,residual
+bumps|Pebbles|Rounded pebbles that hide one another as the view sinks|sphere|3|20,70|38,110|0.85|--effects shift,gain,residual --relief auto
+weave|Weave|A plain weave of threads in two colours|torus|3|16,-25|42,112|0.95|
+flat|Flat|No relief: a painted plane with a gloss, for comparison|plane|2|48,75|40,110|0.9|--gloss auto'
 
 {
     printf '[\n'
     separator=
-    while IFS='|' read -r name title about mesh view light; do
+    while IFS='|' read -r name title about mesh repeat view light zoom options; do
         "$sample" -o "$work/$name" --relief "$name" --size 32 --quiet
-        "$encode" "$work/$name" -o "$out/$name.btf.exr" --preset fast --levels all --budget 400kB -q >&2
-        "$render" "$out/$name.btf.exr" -o "$out/$name.png" --mesh "$mesh" --size 400x300 --samples 2 --repeat 2 --view "$view" --zoom 1.05 \
-            --light "$light" --background 0.015 --filter bilinear --device reference --quiet
-        printf '%s  {"name": "%s", "title": "%s", "about": "%s", "file": "%s", "still": "%s"}' "$separator" "$name" "$title" "$about" \
-            "$name.btf.exr" "$name.png"
+        "$encode" "$work/$name" -o "$out/$name.btf.exr" --preset fast --levels all --budget 400kB $options -q >&2
+        "$render" "$out/$name.btf.exr" -o "$out/$name.png" --mesh "${mesh/cloth/drape}" --size 400x300 --samples 2 --repeat "$repeat" \
+            --view "$view" --zoom "$zoom" --light "$light" --background 0.015 --filter bilinear --device reference --quiet
+        # the link shows what the picture shows
+        printf '%s  {"name": "%s", "title": "%s", "about": "%s", "file": "%s", "still": "%s",\n   "view": "%s"}' "$separator" "$name" \
+            "$title" "$about" "$name.btf.exr" "$name.png" "mesh=$mesh&repeat=$repeat&theta=${view%,*}&phi=${view#*,}&lightTheta=${light%,*}&lightPhi=${light#*,}&zoom=$zoom"
         separator=$',\n'
     done <<<"$materials"
     printf '\n]\n'

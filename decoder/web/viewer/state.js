@@ -15,8 +15,8 @@ const choice = (otherwise, list) => ({ otherwise, list });
 export const MEMBERS = {
     material: { otherwise: '', text: true }, // of those in the page; '': the first
     mesh: choice('cloth', MESHES),
-    theta: number(28, 0, 180, 1), // of the camera, degrees
-    phi: number(-62, -180, 180, 1),
+    theta: number(25, 0, 180, 1), // of the camera, degrees
+    phi: number(55, -180, 180, 1),
     zoom: number(0.95, 0.2, 8),
     repeat: number(2, 0.25, 16), // of the material on the model
     sun: number(1, 0, 4), // irradiance of the light over pi, at normal incidence

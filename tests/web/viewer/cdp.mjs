@@ -10,7 +10,7 @@ import { CHROMIUM } from '../browser.mjs';
 
 const HANG_MS = 600000; // what takes so long has hung, also on a busy machine
 /* Pixels of the screen a CSS pixel: few, for they are drawn by software. BTF_PICTURES_SCALE=1 for pictures to look at. */
-const SCALE = Number(process.env.BTF_PICTURES_SCALE ?? 0.5);
+const SCALE = Number(process.env.BTF_PICTURES_SCALE ?? 0.25);
 const sleep = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
 
 /* What a page gets before its own scripts: counts of WebGL objects that are alive. */
