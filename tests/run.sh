@@ -6,8 +6,8 @@
 #                         nothing for them to see (tests/meson.build: suite plain)
 #   tests/run.sh --long   the same with the suite long (tests/README.md): conformance on other devices, libFuzzer, broken builds,
 #                         ThreadSanitizer; BTF_FUZZ_SECONDS of each fuzz target (20)
-#   tests/run.sh --web    with those of decoder/web, which need emscripten and two browsers (1.2 GB); not yet part of the whole
-#   tests/run.sh --core   without the tests that need browsers or Blender: so far the same as without an option
+#   tests/run.sh --core   without the tests of decoder/web, which need emscripten, two browsers and npm (1.2 GB)
+#   tests/run.sh --web    with them: the same as without an option
 #
 # SPDX-License-Identifier: MIT
 set -u
@@ -15,12 +15,12 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/.ci/setup.sh"
 
 long=0
-web=0
+web=1
 for argument in "$@"; do
     case $argument in
     --long) long=1 ;;
     --web) web=1 ;;
-    --core) ;;
+    --core) web=0 ;;
     -h | --help)
         sed -n '2,10s/^# \{0,1\}//p' "$0"
         exit 0
