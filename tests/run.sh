@@ -6,9 +6,8 @@
 #                         nothing for them to see (tests/meson.build: suite plain)
 #   tests/run.sh --long   the same with the suite long (tests/README.md): conformance on other devices, libFuzzer, broken builds,
 #                         ThreadSanitizer; BTF_FUZZ_SECONDS of each fuzz target (20)
-#   tests/run.sh --web    with those of decoder/web, which need emscripten and two browsers (1.2 GB); not yet part of the whole
-#   tests/run.sh --bake   with those of btf-bake, which need Blender (0.6 GB)
-#   tests/run.sh --core   without the tests that need browsers or Blender: so far the same as without an option
+#   tests/run.sh --core   without the tests of decoder/web, which need emscripten, two browsers and npm (1.2 GB), and those
+#                         of btf-bake, which need Blender (0.6 GB)
 #
 # SPDX-License-Identifier: MIT
 set -u
@@ -16,28 +15,24 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/.ci/setup.sh"
 
 long=0
-web=0
-bake=0
+core=0
 for argument in "$@"; do
     case $argument in
     --long) long=1 ;;
-    --web) web=1 ;;
-    --bake) bake=1 ;;
-    --core) ;;
+    --core) core=1 ;;
     -h | --help)
-        sed -n '2,11s/^# \{0,1\}//p' "$0"
+        sed -n '2,10s/^# \{0,1\}//p' "$0"
         exit 0
         ;;
     *)
-        echo "tests/run.sh: unknown argument '$argument' (expected --long, --web, --bake, --core or --help)" >&2
+        echo "tests/run.sh: unknown argument '$argument' (expected --long, --core or --help)" >&2
         exit 1
         ;;
     esac
 done
 
 purposes=(build test)
-[ "$web" = 1 ] && purposes+=(web)
-[ "$bake" = 1 ] && purposes+=(bake)
+[ "$core" = 1 ] || purposes+=(web bake)
 install_packages "${purposes[@]}"
 export BTF_SOURCE_ROOT=$root BTF_SHARED=${BTF_SHARED:-$root/../shared}
 logs=()
@@ -53,13 +48,12 @@ run_suite() {
 
 # With these a package that is missing is an error, not tests that are left out.
 all=(-Dwerror=true -Dtests=enabled -Dmpi=enabled)
-browsers=-Dweb=false blender=-Dbake=false
-[ "$bake" = 1 ] && blender=-Dbake=true
-if [ "$web" = 1 ]; then
+beside=(-Dweb=false -Dbake=false)
+if [ "$core" = 0 ]; then
     "$root/decoder/web/wasm/sources.sh" "$root/build/web-sources" || exit 2
-    browsers=-Dweb=true
+    beside=(-Dweb=true -Dbake=true)
 fi
-build "$root/build" "${all[@]}" "$browsers" "$blender"
+build "$root/build" "${all[@]}" "${beside[@]}"
 if [ "$long" = 1 ]; then
     run_suite "$root/build" --timeout-multiplier 10
 else

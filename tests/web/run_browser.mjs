@@ -12,7 +12,7 @@ import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { needPrograms, runPage } from './browser.mjs';
 import { exitCode, report } from './harness.mjs';
-import { SCENES, SIDE, drawScenes } from './scenes.mjs';
+import { SCENES, SIDE, drawScenes, fileOf } from './scenes.mjs';
 
 const [browser, packageFolder, vectors, golden, modules, btfRender, scratch, ...parts] = process.argv.slice(2);
 needPrograms(browser);
@@ -26,7 +26,7 @@ const job = {
     material: MATERIAL,
     other: 'v1-components.btf.exr',
     damaged: 'expected.txt',
-    scenes: SCENES,
+    scenes: SCENES.map((scene) => ({ ...scene, picture: fileOf(scene) })),
     side: SIDE,
 };
 if (job.parts.includes('three')) {
@@ -45,8 +45,9 @@ const posts = {
     '/case': ({ name, wrong }) => report(name, wrong),
     '/note': say,
 };
-// the control, a line that main.js prints, and, where requests.js runs, the request that it has refused
-const expected = [/control: a line of the console/, ...(job.parts.includes('requests') ? [/openbtf\.invalid/] : [])];
+// the control, a line that main.js prints; the request that requests.js sees refused; the context that three loses
+const EXPECTED = { requests: [/openbtf\.invalid/], three: browser === 'chromium' ? [/Context Lost/, /Context Restored/] : [] };
+const expected = [/control: a line of the console/, ...job.parts.flatMap((part) => EXPECTED[part] ?? [])];
 report(`the page in ${browser} comes to its end, without an error in the console`,
     await runPage(browser, '/page/index.html', folders, posts, job, expected));
 process.exit(exitCode());

@@ -45,7 +45,10 @@ function objOf(squares) {
     return `${lines.join('\n')}\n`;
 }
 
-/** Has btf-render draw every scene into FOLDER/SCENE.png. Ends the process with a message where it fails. */
+/** The name of a scene's picture. */
+export const fileOf = ({ name }) => `${name.replaceAll(' ', '-')}.png`;
+
+/** Has btf-render draw every scene into FOLDER. Ends the process with a message where it fails. */
 export function drawScenes(btfRender, material, folder) {
     for (const scene of SCENES) {
         let { mesh } = scene;
@@ -53,7 +56,7 @@ export function drawScenes(btfRender, material, folder) {
             mesh = join(folder, 'squares.obj');
             writeFileSync(mesh, objOf(scene.squares));
         }
-        const args = [material, '-o', join(folder, `${scene.name}.png`), '--mesh', mesh, '--size', SIDE, '--view', scene.view.join(','),
+        const args = [material, '-o', join(folder, fileOf(scene)), '--mesh', mesh, '--size', SIDE, '--view', scene.view.join(','),
             '--zoom', scene.zoom, '--repeat', scene.repeat, '--fov', scene.fov ?? 30, '--filter', 'bilinear', '--device', 'reference', '--quiet'];
         for (const { at, theta, phi, intensity, colour = [1, 1, 1] } of scene.lights) {
             args.push(at ? '--point' : '--light', [...(at ?? [theta, phi]), intensity, ...colour].join(','));

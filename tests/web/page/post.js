@@ -10,5 +10,12 @@ export const report = (name, wrong = '') => post('/case', { name, wrong });
 /** A line for the log. */
 export const note = (line) => post('/note', line);
 
-export const json = async (path) => (await fetch(path)).json();
-export const bytes = async (path) => (await fetch(path)).arrayBuffer();
+async function get(path) {
+    const response = await fetch(path);
+    if (!response.ok) {
+        throw new Error(`${path}: the server answers ${response.status}`);
+    }
+    return response;
+}
+export const json = async (path) => (await get(path)).json();
+export const bytes = async (path) => (await get(path)).arrayBuffer();
