@@ -140,7 +140,8 @@ def command_line():
     out.add_argument('--encode', metavar='OUT.btf.exr', help='then encode; options of btf-encode behind --')
     out.add_argument('-q', '--quiet', action='store_true', help='no progress, no summary')
     out.add_argument('-h', '--help', action='help', help='print this and end')
-    out.add_argument('--version', action='version', version='btf-bake ' + (VERSION if VERSION[0].isdigit() else 'of a source folder'), help='print the version and end')
+    version = VERSION if VERSION[0].isdigit() else 'of a source folder'
+    out.add_argument('--version', action='version', version=f'btf-bake {version}', help='print the version and end')
     arguments, more = sys.argv[1:], []
     if '--tile' in arguments[:-1]:  # its numbers may begin with a minus, which argparse would take for an option
         at = arguments.index('--tile')
