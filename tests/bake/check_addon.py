@@ -1,4 +1,4 @@
-"""Installs the add-on from its zip as a user does, and uses it: check_addon.sh starts it, in a folder of its own.
+"""Installs the add-on from its zip as a user does, and uses it: test_addon.sh starts it, in a folder of its own.
 
     BLENDER_USER_SCRIPTS=DIR blender -b SCENE.blend --python-exit-code 1 -P check_addon.py -- ADDON.zip BTF-ENCODE
 
@@ -13,6 +13,7 @@ import time
 
 import addon_utils
 import bpy
+import numpy
 
 FAILED = []
 MODULE = 'openbtf_bake'
@@ -47,12 +48,10 @@ def images(folder):
     return sorted(os.path.relpath(path, folder) for path in glob.glob(f'{folder}/**/*tl*.exr', recursive=True))
 
 
-def bytes_of(folder):
-    found = []
-    for name in images(folder):
-        with open(os.path.join(folder, name), 'rb') as file:
-            found.append(file.read())
-    return found
+def values_of(folder):
+    """All images, as one array."""
+    import bake_exr
+    return numpy.array([bake_exr.read_rgb(os.path.join(folder, name)) for name in images(folder)])
 
 
 def check_settings():
@@ -92,10 +91,12 @@ def check_bakes(encoder):
         said.add(made.said)
         time.sleep(0.01)
     made.close()
-    report('addon-job', not made.error and bytes_of('beside') == bytes_of('within') != [], f'{made.error} {images("beside")}')
+    one, other = values_of('within'), values_of('beside')
+    report('addon-job', not made.error and one.shape == other.shape == (25, 8, 8, 3) and (one == other).all(),
+           f'{made.error} {one.shape} {other.shape}, furthest apart {abs(one - other).max() if one.shape == other.shape else ""}')
     report('addon-job-tells', any('25' in text for text in said), f'{said}')
     report('addon-job-encodes', os.path.exists('beside.btf.exr'), 'no material')
-    report('addon-job-leaves-nothing', not glob.glob(os.path.join(bpy.app.tempdir, '..', 'btf-bake-*', '*.blend')), 'a scene')
+    report('addon-job-leaves-nothing', not os.path.exists(made._folder), made._folder)
 
     bad = job.Job(own.settings(bpy.context, output=os.path.abspath('bad'), collection='none'))
     while not bad.done:
@@ -110,6 +111,7 @@ def check_bakes(encoder):
 
 def check_refusals():
     own = bpy.context.scene.btf_bake
+    own.output = os.path.abspath('refused')
     own.collection = 'nowhere'
     text = refused(bpy.ops.btf.bake)
     report('addon-no-collection', "'nowhere'" in text, text)

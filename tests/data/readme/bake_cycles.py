@@ -57,7 +57,7 @@ def part_of(thing):
 
 
 def finer(steps):
-    """The unit square at z = 0 as steps x steps squares: a tile's ground, which has to bend."""
+    """The unit square at z = 0 as steps x steps squares: a rectangle has to bend, too."""
     x, y = np.meshgrid(np.arange(steps + 1) / steps, np.arange(steps + 1) / steps)
     vertices = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=-1)
     at = np.arange(x.size).reshape(x.shape)
@@ -85,10 +85,10 @@ def wrap(vertices, normals, column, row, repeat):
 def wrapped(thing, repeat):
     """One object of all copies of `thing` on the half of the sphere that is seen, and a little beyond."""
     vertices, normals, polygons, slots, materials = part_of(thing)
-    if len(polygons) <= 2:
-        height = vertices[0, 2]
+    if len(polygons) <= 2:  # a rectangle, such as the ground
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
         vertices, normals, polygons = finer(16)
-        vertices[:, 2] = height
+        vertices = low + (high - low) * vertices
         slots = np.zeros(len(polygons), np.int32)
     every, count = [], 0
     for column in range(2 * repeat):
