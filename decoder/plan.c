@@ -53,7 +53,7 @@ static btf_decode_counts counts_of(const btf_material *material, const btf_mater
 static float cost_of(const btf_material *material, const btf_material_info *info,
                      const btf_shader_options *o, const btf_scene *scene) {
     const btf_decode_counts counts = counts_of(material, info, o, scene);
-    return (float)btf_cost_of(&counts, scene && scene->struct_size >= sizeof *scene ? scene->costs : NULL);
+    return (float)btf_cost_of(&counts, btfi_costs_of(scene));
 }
 
 btf_decode_counts btf_plan_counts(const btf_material *material, const btf_shader_options *options,
@@ -181,7 +181,7 @@ static double psnr(double mse) {
     return mse > 1e-10 ? -10 * log10(mse) : 100;
 }
 
-/* Fills in the members that follow from the options: textures, bytes, cost. */
+/* Fills in the members that follow from the options: textures, bytes, cost, fold, price. */
 static void fill_costs(const btf_material *material, uint32_t views, uint32_t lights, btf_plan *plan) {
     const btf_material_info *info = &material->info;
     /* With gloss any light may be a neighbour's. */
@@ -196,6 +196,9 @@ static void fill_costs(const btf_material *material, uint32_t views, uint32_t li
     plan->gpu_bytes = btfi_gpu_bytes(&small);
     plan->cost = cost_of(material, &small, &plan->shader, &plan->scene) *
                  (float)(plan->scene.lights ? plan->scene.lights : 1);
+    btfi_fold_plan(material, plan);
+    plan->price = fminf(plan->cost, plan->folded_cost) / plan->full_cost +
+                  (float)plan->gpu_bytes / (float)plan->full_gpu_bytes;
 }
 
 /* 0 to 1e6; no NaN. */
@@ -396,13 +399,6 @@ btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, 
     return BTF_OK;
 }
 
-/* The number a plan is chosen by, the less the better: relative time, of what is folded where the light is still, and
- * relative bytes. */
-static float price(const btf_plan *plan) {
-    return fminf(plan->cost, plan->folded_cost) / plan->full_cost +
-           (float)plan->gpu_bytes / (float)plan->full_gpu_bytes;
-}
-
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *given, float tolerance,
                             btf_plan *plan) {
     const btf_material_info *info = &material->info;
@@ -423,7 +419,6 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
 
     const error_table t = open_table(material, &scene);
     candidate full, chosen;
-    btfi_fold_plan(material, plan);
     if (!find_candidate(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR,
                         &full)) {
         return BTF_OK;
@@ -435,7 +430,7 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
     plan->psnr_srgb = plan->full_psnr_srgb = (float)psnr(full.mse[1]);
     /* Without gloss a still light can be folded, whatever the view. */
     const bool may_fold = info->effects & BTF_EFFECT_GLOSS & ~idle && scene.light.fixed &&
-                          !scene.view.fixed && tolerance > 0 && plan->level == 0 &&
+                          !scene.view.fixed && !scene.no_fold && tolerance > 0 && plan->level == 0 &&
                           info->colour == BTF_COLOUR_NONE && /* an SBRDF depends on the view as well */
                           find_gloss(material, &scene, growth[1]);
     const double *chosen_growth = growth[0];
@@ -463,8 +458,10 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
             tried.psnr_linear = (float)psnr(c.mse[0]);
             tried.psnr_srgb = (float)psnr(c.mse[1]);
             fill_costs(material, views.count, lights.count, &tried);
-            btfi_fold_plan(material, &tried);
-            if (price(&tried) < price(&best)) {
+            if (without && !(tried.folded_cost < tried.cost)) {
+                continue; /* gloss is left out for the fold alone */
+            }
+            if (tried.price < best.price) {
                 best = tried;
                 chosen = c;
                 chosen_growth = growth[without];
