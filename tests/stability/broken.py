@@ -109,7 +109,7 @@ CHANGES = [
     ("a sum of lights begun in the wrong texture", "fold_gl", [
         ("decoder/fold/gl_fold.c", "to = (count - 1 - i) % 2", "to = i % 2")]),
     ("gloss left out at any price", "fold", [
-        ("decoder/plan.c", "base[i] * (1 + growth[i]) + fmax(c", "base[i] + fmax(c")]),
+        ("decoder/plan.c", "base[i] * (1 + gloss[i]) + c->growth", "base[i] + c->growth")]),
     ("gloss never left out", "fold", [
         ("decoder/plan.c", "tolerance > 0 && plan->level == 0 &&", "tolerance > 1000 && plan->level == 0 &&")]),
     ("a light folded where gloss is decoded", "fold", [
@@ -128,6 +128,12 @@ CHANGES = [
         ("decoder/fold/gl_draw.c", "set_viewport(gl, s->viewport);", "btfi_gl_viewport(gl, 3, 3);")]),
     ("the masks of all draw buffers set by a fold", "fold_gl", [
         ("decoder/fold/gl_draw.c", "if (gl->ColorMaski) {", "if (gl->ColorMaski && gl->is_es) {")]),
+    ("a plan that adds what shows against interpolated data alone", "plan", [
+        ("decoder/plan.c", "const double between = known ? difference[i] :", "const double between = known ? growth[i] :")]),
+    ("a file without differences taken at its word", "plan", [
+        ("decoder/plan.c", "fmax(growth[i], (growth[i] + at_samples[i]) / 2)", "growth[i]")]),
+    ("differences measured against what is decoded least", "effect_errors", [
+        ("encoder/report/effect_errors.c", "const size_t full = j->n_variants - KINDS;", "const size_t full = 0;")]),
     ("a sum of lights that leaves the last out", "still_lights", [
         ("decoder/tools/render/shade_fold.c", "i < request->lights; i++", "i + 1 < request->lights; i++")]),
     ("a plan that counts on a fold that its scene does not make", "fold", [
