@@ -251,6 +251,7 @@ static exr_result_t write_attributes(exr_context_t context, const btf_material *
     }
     put_level_errors(&h, m);
     put_floats(&h, "openbtf.effectErrors", m->effect_errors, m->effect_error_count);
+    put_floats(&h, "openbtf.effectDifferences", m->effect_differences, m->effect_difference_count);
     put_floats(&h, "openbtf.betweenErrors", m->between_errors, m->between_error_count);
     return h.result;
 }

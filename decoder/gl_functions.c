@@ -32,8 +32,14 @@ btf_result btfi_gl_load(const btf_gl_options *options, const btf_log *log, btfi_
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "gl: the context is \"%s\", but %s or later is needed",
                          version, out_gl->is_es ? "OpenGL ES 3.0" : "OpenGL 3.3");
     }
+    if (!out_gl->is_es || have >= 32) {
+        BTFI_GL_BUFFER_FUNCTIONS(LOAD)
+    }
     if (out_gl->is_es) {
         return BTF_OK;
+    }
+    if (have >= 41) {
+        BTFI_GL_VIEWPORT_FUNCTIONS(LOAD)
     }
     BTFI_GL_DESKTOP_FUNCTIONS(LOAD)
     int32_t profile = 0; /* some drivers say 0 of a context that was made the old way: not core either */

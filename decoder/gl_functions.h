@@ -78,11 +78,23 @@
     X(GetFloatv, void, (uint32_t name, float *values))                                                     \
     X(PixelTransferf, void, (uint32_t name, float value))
 
+/* Functions that set one of several draw buffers or viewports. Each is NULL where the context has no such state apart: then
+ * the function without an index sets all there is. */
+#define BTFI_GL_BUFFER_FUNCTIONS(X)                                                                        \
+    X(ColorMaski, void, (uint32_t buffer, uint8_t r, uint8_t g, uint8_t b, uint8_t a))
+#define BTFI_GL_VIEWPORT_FUNCTIONS(X)                                                                      \
+    X(Disablei, void, (uint32_t capability, uint32_t index))                                               \
+    X(Enablei, void, (uint32_t capability, uint32_t index))                                                \
+    X(GetFloati_v, void, (uint32_t name, uint32_t index, float *values))                                   \
+    X(ViewportIndexedf, void, (uint32_t index, float x, float y, float width, float height))
+
 typedef struct btfi_gl_functions {
 #define BTFI_GL_MEMBER(name, result, parameters) result(BTFI_GL_CALL *name) parameters;
     BTFI_GL_FUNCTIONS(BTFI_GL_MEMBER)
     BTFI_GL_DESKTOP_FUNCTIONS(BTFI_GL_MEMBER)       /* NULL in OpenGL ES */
     BTFI_GL_COMPATIBILITY_FUNCTIONS(BTFI_GL_MEMBER) /* NULL where is_compatibility is 0 */
+    BTFI_GL_BUFFER_FUNCTIONS(BTFI_GL_MEMBER)        /* NULL in OpenGL ES below 3.2 */
+    BTFI_GL_VIEWPORT_FUNCTIONS(BTFI_GL_MEMBER)      /* NULL in OpenGL ES, and in OpenGL below 4.1 */
 #undef BTFI_GL_MEMBER
     int is_es, is_compatibility, major, minor; /* of the context */
 } btfi_gl_functions;

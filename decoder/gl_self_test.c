@@ -199,7 +199,7 @@ btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, u
     api.FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
     api.GenVertexArrays(1, &array);
     api.BindVertexArray(array);
-    api.Viewport(0, 0, SIDE, SIDE);
+    btfi_gl_viewport(&api, SIDE, SIDE);
     if (api.CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
         result = btfi_fail(log, BTF_ERROR_UNSUPPORTED,
                            "gl: the context refuses a framebuffer of format RGBA32UI");

@@ -314,6 +314,20 @@ static void get_effect_errors(reader *r, btf_material *m) {
     }
 }
 
+static void get_effect_differences(reader *r, btf_material *m) {
+    const char *const name = "openbtf.effectDifferences";
+    size_t count;
+    const float *values = get_floats(r, name, false, 1, 1 << 20, &count);
+    if (!values) {
+        return;
+    }
+    r->result =
+        btfi_check_effect_differences(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, &m->info, values, count);
+    if (!r->result) {
+        keep_floats(r, name, values, count, &m->effect_differences, &m->effect_difference_count);
+    }
+}
+
 static void get_between_errors(reader *r, btf_material *m) {
     const char *const name = "openbtf.betweenErrors";
     size_t count;
@@ -508,6 +522,7 @@ btf_result btfi_header_read(exr_const_context_t context, const btf_log *log, btf
     get_errors(&r, m);
     get_level_errors(&r, m);
     get_effect_errors(&r, m);
+    get_effect_differences(&r, m);
     get_between_errors(&r, m);
     return r.result;
 }

@@ -45,6 +45,7 @@ void btf_material_close(btf_material **material) {
     free(m->errors);
     free(m->level_errors);
     free(m->effect_errors);
+    free(m->effect_differences);
     free(m->between_errors);
     free(m->preview);
     free(m->view_vectors);
@@ -206,6 +207,10 @@ btf_effect_errors btf_material_effect_errors(const btf_material *material) {
     return btfi_effect_errors_of(material->effect_errors, material->effect_error_count);
 }
 
+btf_effect_errors btf_material_effect_differences(const btf_material *material) {
+    return btfi_effect_errors_of(material->effect_differences, material->effect_difference_count);
+}
+
 btf_between_errors btf_material_between_errors(const btf_material *material) {
     return btfi_between_errors_of(material->between_errors, material->between_error_count);
 }
@@ -277,6 +282,9 @@ static btf_result copy_provenance(const btf_material_desc *desc, const btf_log *
     m->effect_errors =
         copy_rows(desc->effect_errors, desc->effect_error_count, sizeof *m->effect_errors, &good);
     m->effect_error_count = desc->effect_error_count;
+    m->effect_differences = copy_rows(desc->effect_differences, desc->effect_difference_count,
+                                      sizeof *m->effect_differences, &good);
+    m->effect_difference_count = desc->effect_difference_count;
     m->between_errors =
         copy_rows(desc->between_errors, desc->between_error_count, sizeof *m->between_errors, &good);
     m->between_error_count = desc->between_error_count;
@@ -332,6 +340,11 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
                          "effect errors: %zu numbers, but the pointer to them is NULL",
                          desc->effect_error_count);
     }
+    if (desc->effect_difference_count && !desc->effect_differences) {
+        return btfi_fail(log, BTF_ERROR_USAGE,
+                         "effect differences: %zu numbers, but the pointer to them is NULL",
+                         desc->effect_difference_count);
+    }
     if (desc->between_error_count && !desc->between_errors) {
         return btfi_fail(log, BTF_ERROR_USAGE,
                          "between errors: %zu numbers, but the pointer to them is NULL",
@@ -373,6 +386,8 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
                                           desc->level_error_count)) ||
         (result =
              btfi_check_effect_errors(&check, &m->info, desc->effect_errors, desc->effect_error_count)) ||
+        (result = btfi_check_effect_differences(&check, &m->info, desc->effect_differences,
+                                                desc->effect_difference_count)) ||
         (result = btfi_check_between_errors(&check, &m->info, desc->between_errors,
                                             desc->between_error_count)) ||
         (result = copy_provenance(desc, log, m))) {

@@ -21,6 +21,8 @@ struct btf_material {
     size_t level_error_count;
     float *effect_errors; /* attribute openbtf.effectErrors */
     size_t effect_error_count;
+    float *effect_differences; /* attribute openbtf.effectDifferences */
+    size_t effect_difference_count;
     float *between_errors; /* attribute openbtf.betweenErrors */
     size_t between_error_count;
     uint16_t *preview;   /* [height][width][4] halves; NULL: none */

@@ -19,7 +19,8 @@
 typedef struct candidate {
     uint32_t effects, components;
     btf_interpolation interpolation;
-    double mse[2]; /* linear, sRGB-coded */
+    double mse[2];    /* linear, sRGB-coded */
+    double growth[2]; /* of the full decode's error where the scene looks; find_growth() */
 } candidate;
 
 /* Neighbouring directions that a shader goes through, and how many of them have weight 0. */
@@ -53,7 +54,7 @@ static btf_decode_counts counts_of(const btf_material *material, const btf_mater
 static float cost_of(const btf_material *material, const btf_material_info *info,
                      const btf_shader_options *o, const btf_scene *scene) {
     const btf_decode_counts counts = counts_of(material, info, o, scene);
-    return (float)btf_cost_of(&counts, scene && scene->struct_size >= sizeof *scene ? scene->costs : NULL);
+    return (float)btf_cost_of(&counts, btfi_costs_of(scene));
 }
 
 btf_decode_counts btf_plan_counts(const btf_material *material, const btf_shader_options *options,
@@ -92,13 +93,21 @@ static void band_weights(const btf_range *range, uint32_t count, const float *li
 
 /* The table of measured errors, and how much each of its bands counts in a scene. */
 typedef struct error_table {
-    btf_effect_errors rows;
+    btf_effect_errors rows, differences;
     double at_view, at_light; /* 0: between samples, 1: at a sample */
     double view[BTF_MAX_BANDS], light[BTF_MAX_BANDS];
 } error_table;
 
 static const float *row_at(const error_table *t, uint32_t index) {
     return t->rows.rows + (size_t)index * t->rows.row_stride;
+}
+
+/* How much a scene is one of two samples, a view that is a sample, a light that is one, neither: adds up to 1. */
+static void find_shares(const error_table *t, double share[4]) {
+    share[0] = t->at_view * t->at_light;
+    share[1] = t->at_view * (1 - t->at_light);
+    share[2] = (1 - t->at_view) * t->at_light;
+    share[3] = (1 - t->at_view) * (1 - t->at_light);
 }
 
 /* Adds a row's errors, weighted by the bands. */
@@ -137,8 +146,8 @@ static candidate read_candidate(const error_table *t, uint32_t index) {
     if (t->at_view == 0 && t->at_light == 0) {
         return c;
     }
-    const double share[4] = {t->at_view * t->at_light, t->at_view * (1 - t->at_light),
-                             (1 - t->at_view) * t->at_light, (1 - t->at_view) * (1 - t->at_light)};
+    double share[4];
+    find_shares(t, share);
     static const int kinds[3] = {2, 3, 4};
     double mse[4][2] = {{0}};
     /* Nearest directions have no rows of their own where one is a sample: between the samples errors are no less. */
@@ -181,7 +190,7 @@ static double psnr(double mse) {
     return mse > 1e-10 ? -10 * log10(mse) : 100;
 }
 
-/* Fills in the members that follow from the options: textures, bytes, cost. */
+/* Fills in the members that follow from the options: textures, bytes, cost, fold, price. */
 static void fill_costs(const btf_material *material, uint32_t views, uint32_t lights, btf_plan *plan) {
     const btf_material_info *info = &material->info;
     /* With gloss any light may be a neighbour's. */
@@ -196,6 +205,9 @@ static void fill_costs(const btf_material *material, uint32_t views, uint32_t li
     plan->gpu_bytes = btfi_gpu_bytes(&small);
     plan->cost = cost_of(material, &small, &plan->shader, &plan->scene) *
                  (float)(plan->scene.lights ? plan->scene.lights : 1);
+    btfi_fold_plan(material, plan);
+    plan->price = fminf(plan->cost, plan->folded_cost) / plan->full_cost +
+                  (float)plan->gpu_bytes / (float)plan->full_gpu_bytes;
 }
 
 /* 0 to 1e6; no NaN. */
@@ -259,7 +271,8 @@ static void plan_all(const btf_material *material, const btf_scene *scene, uint3
 
 /* The material's table, weighted for a scene. */
 static error_table open_table(const btf_material *material, const btf_scene *scene) {
-    error_table t = {.rows = btf_material_effect_errors(material)};
+    error_table t = {.rows = btf_material_effect_errors(material),
+                     .differences = btf_material_effect_differences(material)};
     if (t.rows.row_count == 0) {
         return t;
     }
@@ -273,16 +286,67 @@ static error_table open_table(const btf_material *material, const btf_scene *sce
 /* Reads the errors that the table predicts for a level, effects and components; false where they were not
  * measured. */
 static bool find_candidate(const error_table *t, uint32_t level, uint32_t effects, uint32_t components,
-                           btf_interpolation interpolation, candidate *out) {
+                           btf_interpolation interpolation, candidate *out, uint32_t *out_row) {
     for (uint32_t r = 0; r < t->rows.row_count; r++) {
         const float *row = row_at(t, r);
         if (!is_at_samples(t, r) && level_of(t, r) == level && row[0] == (float)effects &&
             row[1] == (float)components && (row[2] == 1) == (interpolation == BTF_INTERPOLATION_NEAREST)) {
             *out = read_candidate(t, r);
+            *out_row = r;
             return true;
         }
     }
     return false;
+}
+
+/* The growth of the error against the data of the kind that stands at `k` of the shares: 0 at samples. */
+static void growth_of_data(const error_table *t, uint32_t index, uint32_t full, int k, double growth[2]) {
+    static const int kinds[3] = {2, 3, 4};
+    double with[2] = {0, 0}, less[2] = {0, 0};
+    const bool apart = k < 3 && (k == 0 || row_at(t, index)[2] == 0); /* as in read_candidate */
+    add_errors(t, k < 3 ? row_of_kind(t, full, kinds[k]) : row_at(t, full), with);
+    add_errors(t, apart ? row_of_kind(t, index, kinds[k]) : row_at(t, index), less);
+    for (int i = 0; i < 2; i++) {
+        growth[i] = fmax(less[i] - with[i], 0);
+    }
+}
+
+/* The mean squared difference to the full decode of the kind at `k`; false where the file does not say. */
+static bool find_difference(const error_table *t, uint32_t index, int k, double out[2]) {
+    const float *row = row_at(t, index);
+    const float kind = row[2] == 1 ? 1 : k == 1 ? 3 : k == 2 ? 4 : 0;
+    for (uint32_t r = 0; r < t->differences.row_count; r++) {
+        const float *other = t->differences.rows + (size_t)r * t->differences.row_stride;
+        if (other[0] == row[0] && other[1] == row[1] && other[2] == kind && other[3] == row[3]) {
+            out[0] = out[1] = 0;
+            add_errors(t, other, out);
+            return true;
+        }
+    }
+    return false;
+}
+
+/* How much the full decode's error grows by decoding as row `index` says, against the truth. At samples the data are the
+ * truth. Between them what is left out adds its own squared difference, since it knows nothing of the error that
+ * interpolation makes there: against the data, interpolated, growth is too little where relief moves texels, for then
+ * what is left out blurs, and so do these data. A file that has no differences: the mean of both growths, of which that at
+ * samples is too much, or that against the data where it is more (nearest directions). */
+static void find_growth(const error_table *t, uint32_t index, uint32_t full, candidate *c) {
+    double share[4], at_samples[2], sum[2] = {0, 0};
+    find_shares(t, share);
+    growth_of_data(t, index, full, 0, at_samples);
+    for (int k = 0; k < 4; k++) {
+        double growth[2], difference[2];
+        growth_of_data(t, index, full, k, growth);
+        const bool known = k > 0 && find_difference(t, index, k, difference);
+        for (int i = 0; i < 2; i++) {
+            const double between = known ? difference[i] : fmax(growth[i], (growth[i] + at_samples[i]) / 2);
+            sum[i] += share[k] * log(fmax(k == 0 ? at_samples[i] : between, 1e-12));
+        }
+    }
+    for (int i = 0; i < 2; i++) {
+        c->growth[i] = sum[i] > log(1.1e-12) ? exp(sum[i]) : 0;
+    }
 }
 
 /* The error of a scene by a row of the table of errors between the samples; false where it says nothing. */
@@ -340,15 +404,15 @@ static bool find_gloss(const btf_material *material, const btf_scene *scene, dou
     return true;
 }
 
-/* Squared errors of decoding and of interpolation add up: a plan adds as much to the sum as to the first. */
-static void fill_between(const btf_material *material, const error_table *t, const candidate *full,
-                         const candidate *chosen, const double growth[2], btf_plan *plan) {
+/* Squared errors of decoding and of interpolation add up. */
+static void fill_between(const btf_material *material, const error_table *t, const candidate *chosen,
+                         const double gloss[2], btf_plan *plan) {
     double mse[2], of_plan[2];
     if (plan->level > 0 || !find_between(material, &plan->scene, t, mse)) {
         return;
     }
     for (int i = 0; i < 2; i++) {
-        of_plan[i] = mse[i] * (1 + growth[i]) + fmax(chosen->mse[i] - full->mse[i], 0);
+        of_plan[i] = mse[i] * (1 + gloss[i]) + chosen->growth[i];
     }
     plan->full_between_psnr_linear = (float)psnr(mse[0]);
     plan->full_between_psnr_srgb = (float)psnr(mse[1]);
@@ -356,24 +420,23 @@ static void fill_between(const btf_material *material, const error_table *t, con
     plan->between_psnr_srgb = (float)psnr(of_plan[1]);
 }
 
-/* The errors that the tolerance is a share of: those of the full decode where the scene looks. */
-static void errors_to_tolerate(const btf_material *material, const btf_scene *scene, const error_table *t,
+/* The errors that the tolerance is a share of: those of the full decode where the scene looks. Returns whether that is
+ * between the samples, by a file that says what is lost there. */
+static bool errors_to_tolerate(const btf_material *material, const btf_scene *scene, const error_table *t,
                                uint32_t level, const candidate *full, double base[2]) {
     double between[2] = {0, 0};
-    if (level > 0 || !find_between(material, scene, t, between)) {
-        between[0] = between[1] = 0;
-    }
+    const bool known = level == 0 && find_between(material, scene, t, between);
     for (int i = 0; i < 2; i++) {
         base[i] = fmax(fmax(between[i] / 2, full->mse[i]), 1e-10);
     }
+    return known;
 }
 
-/* Whether a candidate adds at most the tolerance, in dB, to these errors, which grow by themselves, too. */
-static bool is_tolerated(const candidate *c, const candidate *full, const double base[2],
-                         const double growth[2], float tolerance) {
+/* Whether a candidate adds at most the tolerance, in dB, to these errors, which grow without gloss, too. */
+static bool is_tolerated(const candidate *c, const double base[2], const double gloss[2], float tolerance) {
     const double most = pow(10, (double)tolerance / 10);
     for (int i = 0; i < 2; i++) {
-        if (base[i] * (1 + growth[i]) + fmax(c->mse[i] - full->mse[i], 0) > base[i] * most) {
+        if (base[i] * (1 + gloss[i]) + c->growth[i] > base[i] * most) {
             return false;
         }
     }
@@ -384,23 +447,17 @@ btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, 
                             uint32_t components, float *out_linear, float *out_srgb) {
     const error_table t = open_table(material, &plan->scene);
     candidate c;
+    uint32_t row;
     *out_linear = *out_srgb = 0;
     if (btfi_relief_has_ended(&material->info, plan->level)) {
         effects |= BTF_EFFECT_RELIEF; /* as rows of the table have it, which are of the whole material */
     }
-    if (!find_candidate(&t, plan->level, effects, components, plan->shader.interpolation, &c)) {
+    if (!find_candidate(&t, plan->level, effects, components, plan->shader.interpolation, &c, &row)) {
         return BTF_ERROR_UNSUPPORTED;
     }
     *out_linear = (float)psnr(c.mse[0]);
     *out_srgb = (float)psnr(c.mse[1]);
     return BTF_OK;
-}
-
-/* The number a plan is chosen by, the less the better: relative time, of what is folded where the light is still, and
- * relative bytes. */
-static float price(const btf_plan *plan) {
-    return fminf(plan->cost, plan->folded_cost) / plan->full_cost +
-           (float)plan->gpu_bytes / (float)plan->full_gpu_bytes;
 }
 
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *given, float tolerance,
@@ -423,37 +480,44 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
 
     const error_table t = open_table(material, &scene);
     candidate full, chosen;
-    btfi_fold_plan(material, plan);
-    if (!find_candidate(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR,
-                        &full)) {
+    uint32_t full_row;
+    if (!find_candidate(&t, plan->level, info->effects, info->components, BTF_INTERPOLATION_LINEAR, &full,
+                        &full_row)) {
         return BTF_OK;
     }
-    double base[2], growth[2][2] = {{0, 0}, {0, 0}}; /* with gloss, without */
-    errors_to_tolerate(material, &scene, &t, plan->level, &full, base);
+    double base[2], gloss[2][2] = {{0, 0}, {0, 0}}; /* growth with it, without */
+    const bool between = errors_to_tolerate(material, &scene, &t, plan->level, &full, base);
     plan->measured = 1;
     plan->psnr_linear = plan->full_psnr_linear = (float)psnr(full.mse[0]);
     plan->psnr_srgb = plan->full_psnr_srgb = (float)psnr(full.mse[1]);
     /* Without gloss a still light can be folded, whatever the view. */
     const bool may_fold = info->effects & BTF_EFFECT_GLOSS & ~idle && scene.light.fixed &&
-                          !scene.view.fixed && tolerance > 0 && plan->level == 0 &&
+                          !scene.view.fixed && !scene.no_fold && tolerance > 0 && plan->level == 0 &&
                           info->colour == BTF_COLOUR_NONE && /* an SBRDF depends on the view as well */
-                          find_gloss(material, &scene, growth[1]);
-    const double *chosen_growth = growth[0];
+                          find_gloss(material, &scene, gloss[1]);
+    const double *chosen_gloss = gloss[0];
     btf_plan best = *plan;
     chosen = full;
     for (uint32_t r = 0; r < t.rows.row_count; r++) {
         if (is_at_samples(&t, r) || level_of(&t, r) != plan->level) {
             continue;
         }
-        const candidate c = read_candidate(&t, r);
+        candidate c = read_candidate(&t, r);
         if (info->effects & BETWEEN & ~idle & ~c.effects) {
             continue;
         }
         if (scene.interpolate && c.interpolation == BTF_INTERPOLATION_NEAREST) {
             continue;
         }
+        if (between) {
+            find_growth(&t, r, full_row, &c);
+        } else {
+            for (int i = 0; i < 2; i++) {
+                c.growth[i] = fmax(c.mse[i] - full.mse[i], 0);
+            }
+        }
         for (int without = 0; without <= may_fold; without++) {
-            if (!is_tolerated(&c, &full, base, growth[without], tolerance)) {
+            if (!is_tolerated(&c, base, gloss[without], tolerance)) {
                 continue;
             }
             btf_plan tried = *plan;
@@ -463,15 +527,17 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
             tried.psnr_linear = (float)psnr(c.mse[0]);
             tried.psnr_srgb = (float)psnr(c.mse[1]);
             fill_costs(material, views.count, lights.count, &tried);
-            btfi_fold_plan(material, &tried);
-            if (price(&tried) < price(&best)) {
+            if (without && !(tried.folded_cost < tried.cost)) {
+                continue; /* gloss is left out for the fold alone */
+            }
+            if (tried.price < best.price) {
                 best = tried;
                 chosen = c;
-                chosen_growth = growth[without];
+                chosen_gloss = gloss[without];
             }
         }
     }
     *plan = best;
-    fill_between(material, &t, &full, &chosen, chosen_growth, plan);
+    fill_between(material, &t, &chosen, chosen_gloss, plan);
     return BTF_OK;
 }

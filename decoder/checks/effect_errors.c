@@ -1,5 +1,5 @@
 /* OpenBTF: tables of measured errors by bands of view and light (FORMAT.md section 7): of each way to
- * decode (openbtf.effectErrors), and between the samples (openbtf.betweenErrors).
+ * decode (openbtf.effectErrors, openbtf.effectDifferences), and between the samples (openbtf.betweenErrors).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -14,12 +14,13 @@ static bool is_integer(float value, uint32_t low, uint32_t high) {
 }
 
 /* The differences between the tables. */
-typedef struct table_kind {
+typedef struct table_kind table_kind;
+struct table_kind {
     const char *name; /* in messages */
     size_t most;      /* rows */
-    btf_result (*check_row)(const btfi_check *check, const btf_material_info *info, const float *row,
-                            size_t index, size_t length);
-} table_kind;
+    btf_result (*check_row)(const btfi_check *check, const table_kind *kind, const btf_material_info *info,
+                            const float *row, size_t index, size_t length);
+};
 
 static btf_result check_limits(const btfi_check *check, const char *table, const char *name,
                                const float *limits, size_t bands) {
@@ -33,38 +34,41 @@ static btf_result check_limits(const btfi_check *check, const char *table, const
     return BTF_OK;
 }
 
-static btf_result check_effect_row(const btfi_check *check, const btf_material_info *info, const float *row,
-                                   size_t index, size_t length) {
+static btf_result check_effect_row(const btfi_check *check, const table_kind *kind,
+                                   const btf_material_info *info, const float *row, size_t index,
+                                   size_t length) {
     if (!is_integer(row[0], 0, BTF_EFFECT_ALL) || ((uint32_t)row[0] & ~info->effects) != 0) {
         return btfi_fail(check->log, check->code,
-                         "effect errors: row %zu decodes the effects %g, which the material does not have",
-                         index, (double)row[0]);
+                         "%s: row %zu decodes the effects %g, which the material does not have",
+                         kind->name, index, (double)row[0]);
     }
     const bool residual = ((uint32_t)row[0] & BTF_EFFECT_RESIDUAL) != 0;
     if (!is_integer(row[1], residual ? 1 : 0, residual ? info->components : 0)) {
-        return btfi_fail(check->log, check->code, "effect errors: row %zu has %g components", index,
+        return btfi_fail(check->log, check->code, "%s: row %zu has %g components", kind->name, index,
                          (double)row[1]);
     }
     if (!is_integer(row[2], 0, 4) || !is_integer(row[3], 0, info->levels - 1) ||
         !(row[4] >= 0 && row[4] <= 0x1p62f)) {
         return btfi_fail(check->log, check->code,
-                         "effect errors: row %zu begins (effects, components, directions, level, bytes) "
+                         "%s: row %zu begins (effects, components, directions, level, bytes) "
                          "with (%g, %g, %g, %g, %g), of which a number is out of range",
-                         index, (double)row[0], (double)row[1], (double)row[2], (double)row[3],
+                         kind->name, index, (double)row[0], (double)row[1], (double)row[2], (double)row[3],
                          (double)row[4]);
     }
     for (size_t i = ROW_HEAD; i < length; i++) {
         if (!(row[i] >= 0 && row[i] <= 1)) {
             return btfi_fail(check->log, check->code,
-                             "effect errors: row %zu, number %zu is %g, not within 0 to 1", index, i,
+                             "%s: row %zu, number %zu is %g, not within 0 to 1", kind->name, index, i,
                              (double)row[i]);
         }
     }
     return BTF_OK;
 }
 
-static btf_result check_between_row(const btfi_check *check, const btf_material_info *info,
-                                    const float *row, size_t index, size_t length) {
+static btf_result check_between_row(const btfi_check *check, const table_kind *kind,
+                                    const btf_material_info *info, const float *row, size_t index,
+                                    size_t length) {
+    (void)kind;
     const bool without_relief = row[0] == 5 || row[0] == 7, without_gloss = row[0] == 9 || row[0] == 11;
     if (!is_integer(row[0], 1, 3) && !(without_relief && info->effects & BTF_EFFECT_RELIEF) &&
         !(without_gloss && info->effects & BTF_EFFECT_GLOSS)) {
@@ -107,7 +111,7 @@ static btf_result check_table(const btfi_check *check, const table_kind *kind,
         return result;
     }
     for (size_t i = 0; i < (count - head) / length; i++) {
-        if ((result = kind->check_row(check, info, values + head + i * length, i, length))) {
+        if ((result = kind->check_row(check, kind, info, values + head + i * length, i, length))) {
             return result;
         }
     }
@@ -117,6 +121,12 @@ static btf_result check_table(const btfi_check *check, const table_kind *kind,
 btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_info *info,
                                     const float *values, size_t count) {
     static const table_kind kind = {"effect errors", MAX_ROWS, check_effect_row};
+    return check_table(check, &kind, info, values, count);
+}
+
+btf_result btfi_check_effect_differences(const btfi_check *check, const btf_material_info *info,
+                                         const float *values, size_t count) {
+    static const table_kind kind = {"effect differences", MAX_ROWS, check_effect_row};
     return check_table(check, &kind, info, values, count);
 }
 

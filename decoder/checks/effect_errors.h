@@ -1,4 +1,5 @@
-/* OpenBTF: the error tables of an encoder's measurements (attributes openbtf.effectErrors, openbtf.betweenErrors).
+/* OpenBTF: the error tables of an encoder's measurements (attributes openbtf.effectErrors,
+ * openbtf.effectDifferences, openbtf.betweenErrors).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -15,6 +16,10 @@ btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_
                                     const float *values, size_t count);
 /* The table in numbers that btfi_check_effect_errors checked; one without rows for NULL. */
 btf_effect_errors btfi_effect_errors_of(const float *values, size_t count);
+
+/* Checks the numbers of the attribute openbtf.effectDifferences, which are laid out as those of effectErrors, likewise. */
+btf_result btfi_check_effect_differences(const btfi_check *check, const btf_material_info *info,
+                                         const float *values, size_t count);
 
 /* Checks the numbers of the attribute openbtf.betweenErrors likewise. */
 btf_result btfi_check_between_errors(const btfi_check *check, const btf_material_info *info,

@@ -103,9 +103,7 @@ btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_opti
     const btf_shader_options all = read_options(options), pass = btf_fold_pass(options);
     btf_shader_options unfolded = all;
     unfolded.fold = BTF_FOLD_NONE;
-    const btf_scene anywhere = {.struct_size = sizeof anywhere,
-                                .costs =
-                                    scene && scene->struct_size >= sizeof *scene ? scene->costs : NULL};
+    const btf_scene anywhere = {.struct_size = sizeof anywhere, .costs = btfi_costs_of(scene)};
     /* A pass over a view does a third of what three neighbouring views take. */
     const double views = all.fold == BTF_FOLD_LIGHT
                              ? info.n_views / (all.interpolation == BTF_INTERPOLATION_NEAREST ? 1.0 : 3.0)
@@ -127,8 +125,15 @@ void btfi_fold_plan(const btf_material *material, btf_plan *plan) {
     plan->folded_cost = plan->cost;
     plan->fold_pixels = 0;
     btf_shader_options options = plan->shader;
-    if (plan->scene.light.fixed) {
-        options.fold = btf_fold_best(&info, &options, plan->scene.view.fixed);
+    const btf_scene *scene = &plan->scene;
+    if (scene->no_fold) {
+        return;
+    }
+    if (scene->light.fixed || (scene->still_lights && scene->view.fixed)) {
+        options.fold = btf_fold_best(&info, &options, scene->view.fixed);
+    }
+    if (!scene->light.fixed && options.fold != BTF_FOLD_BOTH) { /* nothing else has sums */
+        return;
     }
     if (options.fold == BTF_FOLD_NONE) {
         return;
@@ -140,11 +145,17 @@ void btfi_fold_plan(const btf_material *material, btf_plan *plan) {
     /* of the restriction: fewer views, fewer texels */
     const double share = (options.fold == BTF_FOLD_LIGHT ? (double)small.n_views / info.n_views : 1) *
                          ((double)small.width * small.height) / ((double)info.width * info.height);
-    plan->fold = options.fold;
-    plan->fold_bytes = btf_fold_bytes(&small, plan->fold, 1);
     /* Radiance of several lights is added up once; what is blended later is read for each. */
     const float read = options.fold == BTF_FOLD_BOTH ? 1 : lights;
     const double saved = (double)(costs.unfolded * lights) - (double)(costs.folded * read);
+    const double pixels = (saved > 0 ? costs.pass * (double)lights / saved : 1e30) * share;
+    const size_t bytes = btf_fold_bytes(&small, options.fold, 1);
+    if ((plan->scene.folded_pixels > 0 && pixels > plan->scene.folded_pixels) ||
+        (plan->scene.folded_bytes > 0 && bytes > plan->scene.folded_bytes)) {
+        return;
+    }
+    plan->fold = options.fold;
+    plan->fold_bytes = bytes;
     plan->folded_cost = costs.folded * read;
-    plan->fold_pixels = (saved > 0 ? costs.pass * (double)lights / saved : 1e30) * share;
+    plan->fold_pixels = pixels;
 }

@@ -6,6 +6,7 @@
 #define OPENBTF_FOLD_INTERNAL_H
 
 #include <openbtf/fold.h>
+#include <stddef.h>
 
 #pragma GCC visibility push(hidden)
 
@@ -13,8 +14,14 @@
  * values. */
 btf_material_info btfi_folded_info(const btf_material_info *info, btf_fold fold);
 
-/* Fills in the members of a plan that describe its fold. */
+/* Fills in the members of a plan that describe its fold: none where its scene makes none. `views`, `lights`, `cost` and
+ * `shader` are set. */
 void btfi_fold_plan(const btf_material *material, btf_plan *plan);
+
+/* The prices that a scene, of an older size too, names; NULL: none. */
+static inline const btf_cost_model *btfi_costs_of(const btf_scene *scene) {
+    return scene && scene->struct_size >= offsetof(btf_scene, still_lights) ? scene->costs : NULL;
+}
 
 #pragma GCC visibility pop
 

@@ -5,6 +5,7 @@
 #include "gl_draw.h"
 #include "decoder/result.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 
 /* The state that drawing touches: first that of every context, then what desktop ones add, then what
@@ -25,6 +26,60 @@ static const uint32_t pack_names[BTFI_PACK_COUNT] = {GL_PACK_SWAP_BYTES, GL_PACK
 static int capability_count(const btfi_gl_functions *gl) {
     return BTFI_CAPABILITY_COUNT - (gl->is_compatibility ? 0 : COMPATIBILITY_CAPABILITIES) -
            (gl->is_es ? DESKTOP_CAPABILITIES : 0);
+}
+
+/* The scissor test is that of the first viewport, where each has its own. */
+static bool is_indexed(const btfi_gl_functions *gl, uint32_t capability) {
+    return capability == GL_SCISSOR_TEST && gl->ViewportIndexedf;
+}
+
+static void enable(const btfi_gl_functions *gl, uint32_t capability) {
+    if (is_indexed(gl, capability)) {
+        gl->Enablei(capability, 0);
+    } else {
+        gl->Enable(capability);
+    }
+}
+
+static void disable(const btfi_gl_functions *gl, uint32_t capability) {
+    if (is_indexed(gl, capability)) {
+        gl->Disablei(capability, 0);
+    } else {
+        gl->Disable(capability);
+    }
+}
+
+static void set_mask(const btfi_gl_functions *gl, const uint8_t mask[4]) {
+    if (gl->ColorMaski) {
+        gl->ColorMaski(0, mask[0], mask[1], mask[2], mask[3]);
+    } else {
+        gl->ColorMask(mask[0], mask[1], mask[2], mask[3]);
+    }
+}
+
+static void save_viewport(const btfi_gl_functions *gl, float out[4]) {
+    int32_t whole[4];
+    if (gl->ViewportIndexedf) {
+        gl->GetFloati_v(GL_VIEWPORT, 0, out);
+        return;
+    }
+    gl->GetIntegerv(GL_VIEWPORT, whole);
+    for (int i = 0; i < 4; ++i) {
+        out[i] = (float)whole[i];
+    }
+}
+
+static void set_viewport(const btfi_gl_functions *gl, const float v[4]) {
+    if (gl->ViewportIndexedf) {
+        gl->ViewportIndexedf(0, v[0], v[1], v[2], v[3]);
+    } else {
+        gl->Viewport((int32_t)v[0], (int32_t)v[1], (int32_t)v[2], (int32_t)v[3]);
+    }
+}
+
+void btfi_gl_viewport(const btfi_gl_functions *gl, uint32_t width, uint32_t height) {
+    const float all[4] = {0, 0, (float)width, (float)height};
+    set_viewport(gl, all);
 }
 
 static void save_polygon_mode(const btfi_gl_functions *gl, btfi_gl_state *s) {
@@ -48,12 +103,13 @@ static void restore_polygon_mode(const btfi_gl_functions *gl, const btfi_gl_stat
 void btfi_gl_save_state(const btfi_gl_functions *gl, btfi_gl_state *s) {
     for (int i = 0; i < capability_count(gl); ++i) {
         s->enabled[i] = gl->IsEnabled(capabilities[i]);
-        gl->Disable(capabilities[i]);
+        disable(gl, capabilities[i]);
     }
     save_polygon_mode(gl, s);
     gl->GetBooleanv(GL_COLOR_WRITEMASK, s->mask);
-    gl->ColorMask(1, 1, 1, 1);
-    gl->GetIntegerv(GL_VIEWPORT, s->viewport);
+    static const uint8_t all[4] = {1, 1, 1, 1};
+    set_mask(gl, all);
+    save_viewport(gl, s->viewport);
     gl->GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &s->draw);
     gl->GetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &s->read);
     gl->GetIntegerv(GL_VERTEX_ARRAY_BINDING, &s->array);
@@ -86,12 +142,12 @@ void btfi_gl_restore_state(const btfi_gl_functions *gl, const btfi_gl_state *s) 
     gl->BindVertexArray((uint32_t)s->array);
     gl->BindFramebuffer(GL_READ_FRAMEBUFFER, (uint32_t)s->read);
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, (uint32_t)s->draw);
-    gl->Viewport(s->viewport[0], s->viewport[1], s->viewport[2], s->viewport[3]);
-    gl->ColorMask(s->mask[0], s->mask[1], s->mask[2], s->mask[3]);
+    set_viewport(gl, s->viewport);
+    set_mask(gl, s->mask);
     restore_polygon_mode(gl, s);
     for (int i = 0; i < capability_count(gl); ++i) {
         if (s->enabled[i]) {
-            gl->Enable(capabilities[i]);
+            enable(gl, capabilities[i]);
         }
     }
 }

@@ -15,14 +15,19 @@ enum { BTFI_CAPABILITY_COUNT = 18, BTFI_PACK_COUNT = 4 };
 typedef struct btfi_gl_state {
     uint8_t enabled[BTFI_CAPABILITY_COUNT], mask[4];
     int32_t polygon_mode[2]; /* front, back; core contexts have one mode, and may fill in only the first */
-    int32_t viewport[4], draw, read, array, program, texture, texture_array, unit, sampler, pack_buffer,
+    float viewport[4];
+    int32_t draw, read, array, program, texture, texture_array, unit, sampler, pack_buffer,
         pack[BTFI_PACK_COUNT];
     btfi_gl_unpack unpack;
 } btfi_gl_state;
 
-/* Saves the state in *s and sets that which drawing into integer textures needs; restores it. */
+/* Saves the state in *s and sets that which drawing into integer textures needs; restores it. Of draw buffers and viewports
+ * the first alone is touched, where the context has a state for each. */
 void btfi_gl_save_state(const btfi_gl_functions *gl, btfi_gl_state *s);
 void btfi_gl_restore_state(const btfi_gl_functions *gl, const btfi_gl_state *s);
+
+/* Sets the viewport that is drawn in, from 0, 0. */
+void btfi_gl_viewport(const btfi_gl_functions *gl, uint32_t width, uint32_t height);
 
 /* The line of the newest GLSL that the context claims. */
 void btfi_gl_version(const btfi_gl_functions *gl, char *out_line, size_t size);

@@ -241,8 +241,7 @@ static btf_result draw_layer(const btf_gl_fold *f, const fold_program *program, 
     if (program->level >= 0) {
         api->Uniform1i(program->level, (int32_t)level);
     }
-    api->Viewport(0, 0, (int32_t)btf_level_size(f->width, level),
-                  (int32_t)btf_level_size(f->height, level));
+    btfi_gl_viewport(api, btf_level_size(f->width, level), btf_level_size(f->height, level));
     api->FramebufferTextureLayer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, texture, (int32_t)level,
                                  (int32_t)layer);
     if (level == 0 && api->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {

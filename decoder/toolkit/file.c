@@ -35,6 +35,17 @@ void file_warn(const btf_log *log, const char *format, ...) {
     va_end(arguments);
 }
 
+static void keep(void *user, btf_log_level level, const char *message) {
+    file_kept *kept = user;
+    (void)level;
+    snprintf(kept->text, sizeof kept->text, "%s", message);
+}
+
+btf_log file_log_keep(file_kept *kept) {
+    kept->text[0] = 0;
+    return (btf_log){keep, kept};
+}
+
 bool file_is_exr(const char *path) {
     char begin[4] = "";
     struct stat status;

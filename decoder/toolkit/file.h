@@ -14,6 +14,14 @@ void file_say(const btf_log *log, const char *format, ...) __attribute__((format
 /* The same as a warning: the call goes on. */
 void file_warn(const btf_log *log, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* The last message of a log that file_log_keep() made, cut where it is longer; "" where there was none. */
+typedef struct file_kept {
+    char text[400];
+} file_kept;
+
+/* A log that keeps messages instead of showing them; *kept must outlive it. */
+btf_log file_log_keep(file_kept *kept);
+
 /* Whether a path is a regular file that begins as OpenEXR files do, whatever its ending. */
 bool file_is_exr(const char *path);
 

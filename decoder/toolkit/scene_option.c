@@ -8,6 +8,7 @@
 #include "cli.h"
 #include "filter.h"
 #include <math.h>
+#include <openbtf/fold.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -215,13 +216,20 @@ static void print_fold(FILE *out, const char *indent, const btf_material *materi
     const bool light_alone = !plan->scene.view.fixed, glossy = info.effects & BTF_EFFECT_GLOSS;
     if (plan->fold != BTF_FOLD_NONE) {
         fprintf(out, "%s%s folded into %zu bytes: %.0f%% of the time, after %.0f pixels%s\n", indent,
-                plan->fold == BTF_FOLD_LIGHT ? "light" : "light and view", plan->fold_bytes,
-                100 * (double)plan->folded_cost / (double)plan->full_cost, plan->fold_pixels,
-                light_alone && glossy ? "; for that gloss is left out" : "");
+                plan->fold == BTF_FOLD_LIGHT ? "light"
+                : plan->scene.light.fixed    ? "light and view"
+                                             : "lights and view",
+                plan->fold_bytes, 100 * (double)plan->folded_cost / (double)plan->full_cost,
+                plan->fold_pixels, light_alone && glossy ? "; for that gloss is left out" : "");
         return;
     }
     fprintf(out, "%snothing is folded: ", indent);
-    if (info.colour != BTF_COLOUR_NONE) {
+    if (plan->scene.no_fold) {
+        fprintf(out, "no fold is wanted\n");
+    } else if (btf_fold_best(&info, &plan->shader, plan->scene.view.fixed) != BTF_FOLD_NONE) {
+        fprintf(out, "a fold would not pay within %.0f pixels, or is too large\n",
+                plan->scene.folded_pixels);
+    } else if (info.colour != BTF_COLOUR_NONE) {
         fprintf(out, "the SBRDF depends on the view\n");
     } else if (between_gain(material, BTF_EFFECT_GLOSS, gain)) {
         fprintf(out,
@@ -251,7 +259,7 @@ void scene_plan_print(FILE *out, const char *indent, const btf_material *materia
             (unsigned)plan->views, (unsigned)plan->lights, plan->gpu_bytes, plan->full_gpu_bytes,
             100 * (double)plan->gpu_bytes / (double)plan->full_gpu_bytes,
             100 * (double)plan->cost / (double)plan->full_cost);
-    if (plan->scene.light.fixed) {
+    if (plan->scene.light.fixed || plan->fold != BTF_FOLD_NONE) {
         print_fold(out, indent, material, plan);
     }
     print_reasons(out, indent, material, plan);

@@ -176,7 +176,8 @@ static btf_result analyse_levels(const enc_context *context, const enc_job *job,
 static btf_result pack_and_measure(const enc_context *context, const enc_job *job, job_state *s,
                                    enc_report *report) {
     btf_material_error rows[2 * ENC_REPORT_STEPS];
-    float *effect_errors = NULL, between[ENC_BETWEEN_NUMBERS];
+    enc_effect_tables effects = {0};
+    float between[ENC_BETWEEN_NUMBERS];
     enc_pack_options options = {.layout = job->layout,
                                 .half_float = job->half_float,
                                 .method = report->method,
@@ -197,12 +198,10 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
         result = enc_report_measure(context, s->data, &s->stored, s->material, report);
     }
     if (result == BTF_OK) {
-        result =
-            enc_effect_errors(context, s->data, s->material, &effect_errors, &options.effect_error_count);
-        report->n_truncations = result == BTF_OK
-                                    ? enc_truncations(effect_errors, options.effect_error_count, s->data,
-                                                      s->stored.effects, report->truncations)
-                                    : 0;
+        result = enc_effect_errors(context, s->data, s->material, &effects);
+        report->n_truncations = result == BTF_OK ? enc_truncations(effects.errors, effects.error_count, s->data,
+                                                                   s->stored.effects, report->truncations)
+                                                 : 0;
     }
     if (result == BTF_OK) {
         result = enc_leave_one_out_measure(context, s->data, s->material, &report->between);
@@ -218,7 +217,10 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
     }
     if (result == BTF_OK) {
         options.preview = s->preview;
-        options.effect_errors = effect_errors;
+        options.effect_errors = effects.errors;
+        options.effect_error_count = effects.error_count;
+        options.effect_differences = effects.differences;
+        options.effect_difference_count = effects.difference_count;
         options.between_errors = between;
         options.between_error_count = enc_leave_one_out_numbers(&report->between, between);
         options.errors = rows;
@@ -228,7 +230,7 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
         btf_material_close(&s->material);
         result = enc_pack(context, s->data, &s->found, &options, &s->material);
     }
-    free(effect_errors);
+    enc_effect_tables_clear(&effects);
     report->material = s->material;
     return result;
 }

@@ -314,6 +314,8 @@ btf_result enc_pack(const enc_context *context, const enc_data *data, const enc_
     desc.error_count = options->error_count;
     desc.effect_errors = options->effect_errors;
     desc.effect_error_count = options->effect_error_count;
+    desc.effect_differences = options->effect_differences;
+    desc.effect_difference_count = options->effect_difference_count;
     desc.between_errors = options->between_errors;
     desc.between_error_count = options->between_error_count;
     desc.level_errors = options->level_errors;

@@ -17,6 +17,8 @@ typedef struct enc_pack_options {
     size_t error_count;
     const float *effect_errors; /* effect_errors.h */
     size_t effect_error_count;
+    const float *effect_differences; /* likewise */
+    size_t effect_difference_count;
     const float *between_errors; /* leave_one_out.h */
     size_t between_error_count;
     const enc_solution *level; /* [levels - 1] levels 1 .. levels - 1; layout `tight` */

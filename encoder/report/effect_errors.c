@@ -59,9 +59,11 @@ typedef struct job {
     variant *variants;
     size_t n_variants, n_rows, cells;
     uint32_t all_effects; /* of the file */
+    bool differences;     /* to the variants that decode everything: summed behind the errors */
     size_t texels, pairs; /* of the level at hand; pairs: directions a texel and pair of bands */
     const btf_material *packed;
-    float *rows; /* of the level at hand */
+    float *rows;            /* of the level at hand */
+    float *difference_rows; /* the next */
 } job;
 
 /* Effects that change anything: without an SBRDF and without a residual, sources are black. */
@@ -185,31 +187,64 @@ static void look_up_pair(const job *j, const float *profiles, pair *p) {
     interpolate(j->data, profiles, &p->around.views, &p->around.lights, p->truth);
 }
 
+/* Adds squared differences, linear and sRGB-coded; a_srgb is a, coded. */
+static void add_squares(const float a[3], const float a_srgb[3], const float b[3], double sum[2]) {
+    for (int c = 0; c < 3; c++) {
+        const double linear = (double)clip(b[c]) - clip(a[c]);
+        const double srgb = (double)enc_srgb_encode(b[c]) - a_srgb[c];
+        sum[0] += linear * linear;
+        sum[1] += srgb * srgb;
+    }
+}
+
+static void encode_srgb(const float rgb[3], float out[3]) {
+    for (int c = 0; c < 3; c++) {
+        out[c] = enc_srgb_encode(rgb[c]);
+    }
+}
+
 /* One texel under a pair of directions for each kind: adds squared errors, linear and sRGB-coded, of each
- * row: sum[row][cell][2]. */
-static void measure_pair(const job *j, enc_evaluated_texel *texel, const pair pairs[KINDS], double *sum) {
+ * row: sum[row][cell][2]; rgb [variant][MOST_COUNTS]: what they show. */
+static void add_errors(const job *j, enc_evaluated_texel *texel, const pair pairs[KINDS],
+                       float (*rgb)[MOST_COUNTS][3], double *sum) {
     for (size_t w = 0; w < j->n_variants; w++) {
         const variant *v = &j->variants[w];
         const pair *p = &pairs[v->kind];
         const enc_evaluated_at at = {&p->around.lights, &p->around.views, p->light, p->view, true, false};
-        float rgb[MOST_COUNTS][3], truth[3];
-        enc_evaluate(texel, &v->options, &at, v->components, v->count, rgb);
-        for (int c = 0; c < 3; c++) {
-            truth[c] = enc_srgb_encode(p->truth[c]);
-        }
+        float truth[3];
+        enc_evaluate(texel, &v->options, &at, v->components, v->count, rgb[w]);
+        encode_srgb(p->truth, truth);
         for (size_t i = 0; i < v->count; i++) {
-            double *of_row = sum + 2 * row_of(v, i) * j->cells;
-            for (int c = 0; c < 3; c++) {
-                const double linear = (double)clip(rgb[i][c]) - clip(p->truth[c]);
-                const double srgb = (double)enc_srgb_encode(rgb[i][c]) - truth[c];
-                of_row[0] += linear * linear;
-                of_row[1] += srgb * srgb;
-            }
+            add_squares(p->truth, truth, rgb[w][i], sum + 2 * row_of(v, i) * j->cells);
         }
     }
 }
 
-/* All pairs of directions of one texel: sum[row][cell][2]. Errors: BTF_ERROR_MEMORY. */
+/* Adds squared differences to the variants that decode everything, whose rows come last: sum[row][cell][2]. Nearest
+ * directions are compared with interpolated ones. */
+static void add_differences(const job *j, float (*rgb)[MOST_COUNTS][3], double *sum) {
+    const size_t full = j->n_variants - KINDS;
+    for (size_t w = 0; w < j->n_variants; w++) {
+        const variant *v = &j->variants[w];
+        const float *everything = rgb[full + (v->kind == NEAREST ? INTERPOLATED : v->kind)][0];
+        float coded[3];
+        encode_srgb(everything, coded);
+        for (size_t i = 0; i < v->count; i++) {
+            add_squares(everything, coded, rgb[w][i], sum + 2 * row_of(v, i) * j->cells);
+        }
+    }
+}
+
+/* Both of one pair: sum[2][row][cell][2], the second half only where differences are asked for. */
+static void measure_pair(const job *j, enc_evaluated_texel *texel, const pair pairs[KINDS], double *sum) {
+    float rgb[MOST_VARIANTS][MOST_COUNTS][3];
+    add_errors(j, texel, pairs, rgb, sum);
+    if (j->differences) {
+        add_differences(j, rgb, sum + 2 * j->n_rows * j->cells);
+    }
+}
+
+/* All pairs of directions of one texel: sum as measure_pair has it. Errors: BTF_ERROR_MEMORY. */
 static btf_result measure_texel(const void *user, size_t index, size_t texel, const float *profiles,
                                 double *sum) {
     const job *j = user;
@@ -259,9 +294,10 @@ static void choose_samples(job *j, size_t evaluations, int halvings) {
     }
 }
 
-/* Mean squared errors of some variants: out[row][cell][2]. Errors: BTF_ERROR_MEMORY, those of the data. */
+/* Mean squared errors of some variants: out[row][cell][2], and behind them the differences where they are asked for.
+ * Errors: BTF_ERROR_MEMORY, those of the data. */
 static btf_result measure_means(const job *j, double **out) {
-    const size_t length = 2 * j->n_rows * j->cells;
+    const size_t length = (j->differences ? 4 : 2) * j->n_rows * j->cells;
     *out = calloc(length, sizeof **out);
     btf_result result = enc_ranks_agree(j->context, *out ? BTF_OK : BTF_ERROR_MEMORY);
     if (result == BTF_OK) {
@@ -281,6 +317,7 @@ static btf_result correct_by_full(const job *all, double *mean) {
     variant full[KINDS];
     size_t row[KINDS];
     double *better = NULL;
+    j.differences = false;
     j.variants = full;
     j.n_variants = 0;
     for (size_t w = 0; w < all->n_variants && j.n_variants < KINDS; w++) {
@@ -321,17 +358,36 @@ static size_t steps_of(int level) {
     return (size_t)1 << (BTF_MAX_LEVELS - level);
 }
 
-static void write_rows(const job *j, const variant *v, int level, const double *mean) {
-    for (size_t n = 0; n < v->count; n++) {
-        const double *of_row = mean + 2 * row_of(v, n) * j->cells;
-        float *row = j->rows + row_of(v, n) * (ROW_HEAD + 2 * j->cells);
-        *row++ = (float)v->options.effects;
-        *row++ = (float)v->components[n];
-        *row++ = (float)v->kind;
-        *row++ = (float)level;
-        *row++ = (float)v->gpu_bytes[n];
-        for (size_t i = 0; i < 2 * j->cells; i++) {
-            *row++ = fminf((float)of_row[i], 1.0f);
+/* A row of a table, of the variant's n-th number of components; returns its end. */
+static float *write_row(const job *j, const variant *v, size_t n, int level, const double *mean, float *row) {
+    const double *of_row = mean + 2 * row_of(v, n) * j->cells;
+    *row++ = (float)v->options.effects;
+    *row++ = (float)v->components[n];
+    *row++ = (float)v->kind;
+    *row++ = (float)level;
+    *row++ = (float)v->gpu_bytes[n];
+    for (size_t i = 0; i < 2 * j->cells; i++) {
+        *row++ = fminf((float)of_row[i], 1.0f);
+    }
+    return row;
+}
+
+static void write_rows(const job *j, int level, const double *mean) {
+    for (size_t w = 0; w < j->n_variants; w++) {
+        const variant *v = &j->variants[w];
+        for (size_t n = 0; n < v->count; n++) {
+            write_row(j, v, n, level, mean, j->rows + row_of(v, n) * (ROW_HEAD + 2 * j->cells));
+        }
+    }
+}
+
+/* Rows of differences: those of level 0 that compare between the samples, and where one direction is a sample; where both
+ * are, the data say more. */
+static void write_differences(job *j, const double *mean) {
+    for (size_t w = 0; w < j->n_variants; w++) {
+        const variant *v = &j->variants[w];
+        for (size_t n = 0; n < v->count && v->kind != AT_SAMPLES; n++) {
+            j->difference_rows = write_row(j, v, n, 0, mean, j->difference_rows);
         }
     }
 }
@@ -341,6 +397,7 @@ static btf_result measure_level(void *user, int level, const enc_data *data) {
     job *j = user;
     double *mean = NULL;
     j->data = data;
+    j->differences = level == 0 && j->difference_rows;
     btf_result result = enc_evaluator_create(j->context, j->packed, (uint32_t)level, &j->evaluator);
     result = enc_ranks_agree(j->context, result);
     if (result == BTF_OK) {
@@ -351,10 +408,11 @@ static btf_result measure_level(void *user, int level, const enc_data *data) {
         result = correct_by_full(j, mean);
     }
     enc_stage_step(j->context, steps_of(level));
-    for (size_t w = 0; result == BTF_OK && w < j->n_variants; w++) {
-        write_rows(j, &j->variants[w], level, mean);
+    if (result == BTF_OK && j->differences) {
+        write_differences(j, mean + 2 * j->n_rows * j->cells);
     }
     if (result == BTF_OK) {
+        write_rows(j, level, mean);
         j->rows += j->n_rows * (ROW_HEAD + 2 * j->cells);
     }
     free(mean);
@@ -362,11 +420,42 @@ static btf_result measure_level(void *user, int level, const enc_data *data) {
     return result;
 }
 
+/* Makes the tables' memory and writes their heads. False when out of memory. */
+static bool make_tables(job *j, const btf_material_info *info, enc_effect_tables *out) {
+    const size_t head = 4 + (size_t)(j->views.count + j->lights.count), length = ROW_HEAD + 2 * j->cells;
+    j->variants = calloc(MOST_VARIANTS, sizeof *j->variants);
+    if (!j->variants) {
+        return false;
+    }
+    make_variants(j, info);
+    out->error_count = head + info->levels * j->n_rows * length;
+    out->errors = malloc(out->error_count * sizeof *out->errors);
+    if (!out->errors) {
+        return false;
+    }
+    j->rows = enc_bands_write(&j->views, &j->lights, out->errors);
+    if (j->variants[j->n_variants - KINDS].options.effects != j->all_effects) {
+        return true; /* effects that do nothing: what decodes everything is not among the variants */
+    }
+    out->difference_count = head + j->n_rows / KINDS * (KINDS - 1) * length;
+    out->differences = malloc(out->difference_count * sizeof *out->differences);
+    if (!out->differences) {
+        return false;
+    }
+    j->difference_rows = enc_bands_write(&j->views, &j->lights, out->differences);
+    return true;
+}
+
+void enc_effect_tables_clear(enc_effect_tables *tables) {
+    free(tables->errors);
+    free(tables->differences);
+    *tables = (enc_effect_tables){0};
+}
+
 btf_result enc_effect_errors(const enc_context *context, const enc_data *data, const btf_material *material,
-                             float **out_values, size_t *out_count) {
+                             enc_effect_tables *out) {
     btf_material_info info = {.struct_size = sizeof info};
-    *out_values = NULL;
-    *out_count = 0;
+    *out = (enc_effect_tables){0};
     btf_result result = btf_material_get_info(material, &info);
     if (result != BTF_OK) {
         return result;
@@ -377,19 +466,9 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
              .lights = enc_bands_make(data->lights, data->n_lights)};
     j.cells = (size_t)j.views.count * (size_t)j.lights.count;
     j.all_effects = info.effects;
-    j.variants = calloc(MOST_VARIANTS, sizeof *j.variants);
-    float *values = NULL;
-    size_t count = 0;
-    if (j.variants) {
-        make_variants(&j, &info);
-        count = 4 + (size_t)(j.views.count + j.lights.count) +
-                info.levels * j.n_rows * (ROW_HEAD + 2 * j.cells);
-        values = malloc(count * sizeof *values);
-    }
-    if (!values) {
+    if (!make_tables(&j, &info, out)) {
         result = BTF_ERROR_MEMORY;
     } else {
-        j.rows = enc_bands_write(&j.views, &j.lights, values);
         size_t steps = 0;
         for (int level = 0; level < (int)info.levels; level++) {
             steps += steps_of(level);
@@ -402,14 +481,11 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
         enc_stage_end(context);
     }
     free(j.variants);
-    if (result != BTF_OK) {
-        free(values);
-        return result == BTF_ERROR_INTERRUPTED
-                   ? result
-                   : enc_fail(context, result, "measuring the errors without single effects: %s",
-                              btf_result_text(result));
+    if (result == BTF_OK) {
+        return BTF_OK;
     }
-    *out_values = values;
-    *out_count = count;
-    return BTF_OK;
+    enc_effect_tables_clear(out);
+    return result == BTF_ERROR_INTERRUPTED
+               ? result
+               : enc_fail(context, result, "measuring the errors without single effects: %s", btf_result_text(result));
 }

@@ -1,6 +1,6 @@
 /* The errors of every variant of decoding a material, by bands of view and light elevation: all subsets
  * of its effects, some numbers of residual components, nearest and interpolated directions (FORMAT.md
- * section 7, openbtf.effectErrors).
+ * section 7, openbtf.effectErrors), and how far they are from decoding everything (openbtf.effectDifferences).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -10,15 +10,24 @@
 #include "encoder/data/data.h"
 #include <openbtf/material.h>
 
+/* What was measured, as btf_material_desc takes it. */
+typedef struct enc_effect_tables {
+    float *errors; /* effect_errors */
+    size_t error_count;
+    float *differences; /* effect_differences; NULL where the material has effects that do nothing */
+    size_t difference_count;
+} enc_effect_tables;
+void enc_effect_tables_clear(enc_effect_tables *tables);
+
 /* Decodes the packed material by the reference at directions spread over each pair of bands and compares
  * with the data, interpolated in radiance between the same three views and three lights. At most 2048
  * samples a pair of bands, of at most 512 texels; in all at most 3,000,000 evaluations or half as many as
  * the data have samples (but 200,000 and 16 a variant and pair of bands); in coarser levels half as many.
  * The variants that decode everything are measured at up to 300,000 more a level, and the errors of all
- * others are changed as theirs are. Which samples depends on sizes alone. *out_values (the caller frees)
- * holds *out_count numbers as btf_material_desc.effect_errors takes them. Stage "effect errors". Errors:
- * BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
+ * others are changed as theirs are. The differences are of the first samples of level 0. Which samples depends on sizes
+ * alone. *out is cleared by enc_effect_tables_clear. Stage "effect errors". Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO,
+ * BTF_ERROR_INTERRUPTED; *out is all zeros then. */
 btf_result enc_effect_errors(const enc_context *context, const enc_data *data, const btf_material *material,
-                             float **out_values, size_t *out_count);
+                             enc_effect_tables *out);
 
 #endif

@@ -160,6 +160,11 @@ class Materials(unittest.TestCase):
         uv, v = np.random.default_rng(4).random((64, 2), np.float32), np.array([0, 0, 1], np.float32)
         options = dict(effects=plan.effects, components=plan.components or None, interpolation=plan.interpolation, filter=plan.filter)
         np.testing.assert_array_equal(bits(small.evaluate(uv, v, v, **options)), bits(m.evaluate(uv, v, v, level=plan.level, **options)))
+        folded, unfolded = m.plan(view=v, light=v), m.plan(view=v, light=v, folds=False)
+        self.assertEqual((folded.fold, unfolded.fold), ("both", "none"))
+        self.assertLess(folded.price, unfolded.price)
+        self.assertEqual(m.plan(view=v, light=(0, 60), lights=3, still_lights=True).fold, "both")
+        self.assertEqual(m.plan(view=v, light=(0, 60), lights=3).fold, "none")
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "costs.json")
             pathlib.Path(path).write_text('{"openbtf_costs": 1, "pixel": 7, "look_up": 0, "point": 0, "move": 0, "step": 0, '

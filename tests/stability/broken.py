@@ -109,7 +109,7 @@ CHANGES = [
     ("a sum of lights begun in the wrong texture", "fold_gl", [
         ("decoder/fold/gl_fold.c", "to = (count - 1 - i) % 2", "to = i % 2")]),
     ("gloss left out at any price", "fold", [
-        ("decoder/plan.c", "base[i] * (1 + growth[i]) + fmax(c", "base[i] + fmax(c")]),
+        ("decoder/plan.c", "base[i] * (1 + gloss[i]) + c->growth", "base[i] + c->growth")]),
     ("gloss never left out", "fold", [
         ("decoder/plan.c", "tolerance > 0 && plan->level == 0 &&", "tolerance > 1000 && plan->level == 0 &&")]),
     ("a light folded where gloss is decoded", "fold", [
@@ -125,7 +125,21 @@ CHANGES = [
     ("a fold drawn within the caller's scissor", "fold_gl", [
         ("decoder/fold/gl_draw.c", "    GL_SCISSOR_TEST,", "    GL_STENCIL_TEST,")]),
     ("the caller's viewport lost to a fold", "fold_gl", [
-        ("decoder/fold/gl_draw.c", "gl->Viewport(s->viewport[0], s->viewport[1],", "gl->Viewport(0, s->viewport[1],")]),
+        ("decoder/fold/gl_draw.c", "set_viewport(gl, s->viewport);", "btfi_gl_viewport(gl, 3, 3);")]),
+    ("the masks of all draw buffers set by a fold", "fold_gl", [
+        ("decoder/fold/gl_draw.c", "if (gl->ColorMaski) {", "if (gl->ColorMaski && gl->is_es) {")]),
+    ("a plan that adds what shows against interpolated data alone", "plan", [
+        ("decoder/plan.c", "const double between = known ? difference[i] :", "const double between = known ? growth[i] :")]),
+    ("a file without differences taken at its word", "plan", [
+        ("decoder/plan.c", "fmax(growth[i], (growth[i] + at_samples[i]) / 2)", "growth[i]")]),
+    ("differences measured against what is decoded least", "effect_errors", [
+        ("encoder/report/effect_errors.c", "const size_t full = j->n_variants - KINDS;", "const size_t full = 0;")]),
+    ("a sum of lights that leaves the last out", "still_lights", [
+        ("decoder/tools/render/shade_fold.c", "i < request->lights; i++", "i + 1 < request->lights; i++")]),
+    ("a plan that counts on a fold that its scene does not make", "fold", [
+        ("decoder/fold/fold.c", "if (scene->no_fold) {", "if (scene->no_fold > 1) {")]),
+    ("gloss left out for a fold that does not pay in time", "fold", [
+        ("decoder/plan.c", "if (without && !(tried.folded_cost < tried.cost)) {", "if (without && tried.folded_cost < 0) {")]),
     ("parameters beyond 2^24 read", "decoder_bits", [
         ("decoder/shape.h", "magnitude <= BTFI_PARAMETER_MAX", "magnitude <= 2 * BTFI_PARAMETER_MAX")]),
     ("NaN taken for a coordinate", "decoder_bits", [

@@ -319,6 +319,22 @@ for file in m glossy; do
         same "$file, $device: the same picture" r.png f.png
     done
 done
+# Several lights that are the same in every pixel, as their sum: the same bits on every device.
+many() { btf-render still.btf.exr --size 40 --quiet --mesh plane --fov 0 --view 20,0 "$@"; }
+for way in "--light 20,100 --light 50,0 --light 70,-120" "--environment sky.exr --environment-lights 16" \
+    "--light 20,100 --light 50,0 --plan auto --tolerance 3"; do
+    many -o r.exr --device reference $way
+    for device in reference osmesa; do
+        expect "$device folds several: $way" 0 many -o f.exr --device $device --fold always --stats $way
+        expect_text "$device: says so: $way" '^folded: [0-9]+ lights and view, [0-9]+ bytes' out
+        same "$device: the same sum, $way" r.exr f.exr
+    done
+done
+for way in "--light 20,100" "--light 20,100 --light 50,0 --cast-shadows" "--light 20,100 --point 0,0,2" \
+    "--light 20,100 --light 50,0 --fov 30"; do
+    expect "no sum: $way" 0 many -o f.exr --device reference --fold always --stats $way
+    expect_that "which says so" test "$(grep -c 'lights and view' out)" = 0
+done
 expect "a fold that is none" 1 render -o x.png --fold often
 
 # Plans: what is decoded of less is the same picture; tolerance 0 leaves out nothing that shows.

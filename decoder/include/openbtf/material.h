@@ -338,6 +338,12 @@ const btf_level_error *btf_material_level_errors(const btf_material *material, s
 /** @return the errors of the ways to decode that the encoder measured; owned by the material. */
 btf_effect_errors btf_material_effect_errors(const btf_material *material);
 
+/** @return how far each way to decode is from decoding everything: laid out as btf_effect_errors, but that the mean squared
+ * errors are differences to the material decoded with all effects and components and interpolated directions, at level 0
+ * (FORMAT.md section 7, openbtf.effectDifferences). Rows of directions 2 there are none: where view and light are samples
+ * the data are known. Owned by the material. */
+btf_effect_errors btf_material_effect_differences(const btf_material *material);
+
 /** @return the encoder's estimate of the error between the samples; owned by the material. */
 btf_between_errors btf_material_between_errors(const btf_material *material);
 
@@ -367,6 +373,8 @@ typedef struct btf_material_desc {
     const uint16_t *preview;
     /** [n_views], 1 where relief acts on the view, else 0; NULL: it acts on all. Only with BTF_EFFECT_RELIEF. */
     const uint8_t *relief_views;
+    const float *effect_differences; /**< as the attribute openbtf.effectDifferences holds them; NULL: none */
+    size_t effect_difference_count;  /**< floats */
 } btf_material_desc;
 
 /** @return the picture for viewers of EXR files (see btf_material_desc), owned by the material; NULL when there is

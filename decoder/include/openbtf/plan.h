@@ -41,6 +41,13 @@ typedef struct btf_scene {
     int interpolate;       /**< 1: never nearest directions, which jump when view or light move */
     /** Of the device that shows it; NULL: those of llvmpipe. Read during the call; plan->scene keeps the pointer. */
     const btf_cost_model *costs;
+    /** 1: the lights, wherever in their range, stand still and are the same in every pixel: with a view that is fixed
+     * their sum can be folded (btf_gl_fold_run_lights). */
+    int still_lights;
+    int no_fold; /**< 1: nothing will be folded (openbtf/fold.h), and no plan counts on it */
+    double
+        folded_pixels; /**< shown while what is fixed stays; a fold that takes more to pay is not made. 0: enough */
+    size_t folded_bytes; /**< most bytes of a fold, a larger one is not made; 0: any */
 } btf_scene;
 
 /** How to decode a scene, and what that costs. Cost is in nanoseconds a pixel of the device that the
@@ -69,13 +76,17 @@ typedef struct btf_plan {
      * level is not 0, or view and light are samples, which have nothing between them. */
     float between_psnr_linear, between_psnr_srgb;
     float full_between_psnr_linear, full_between_psnr_srgb; /**< likewise, of the full decode */
-    /** Where the light of the scene is fixed and the plan can be folded (openbtf/fold.h): how, with the view where that
-     * is fixed too; else BTF_FOLD_NONE. fold_bytes is of one light: BTF_FOLD_BOTH keeps the sum of several in as much
+    /** Where the light of the scene is fixed, or its lights and the view stand still, and the plan can be folded
+     * (openbtf/fold.h): how, with the view where that
+     * is fixed too; else, and where the scene makes no such fold, BTF_FOLD_NONE. fold_bytes is of one light: BTF_FOLD_BOTH keeps the sum of several in as much
      * (btf_gl_fold_run_lights), others are as many folds. */
     btf_fold fold;
     size_t fold_bytes;  /**< of the folded texture, beside gpu_bytes; else 0 */
     float folded_cost;  /**< of a pixel that reads folded textures, of all lights as `cost`; else `cost` */
     double fold_pixels; /**< pixels after which the fold has paid for itself; else 0 */
+    /** What plans of one material are compared by, the less the better: relative time, folded where that is less,
+     * plus relative bytes; 2 of the full decode. */
+    float price;
 } btf_plan;
 
 /** Finds the plan whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below the full decode's where the scene
@@ -93,7 +104,7 @@ typedef struct btf_plan {
  * change nothing, and relief but at levels where it has ended (btf_material_info.relief_end): the table
  * compares with interpolated samples, and cannot tell what they are worth between. Where the light is fixed and
  * the view is not, gloss keeps a plan from being folded: there, at level 0, it is left out where that and
- * what else the plan leaves out stay within the tolerance, and the plan is the better for it. How much the error
+ * what else the plan leaves out stay within the tolerance, the scene makes the fold, and the plan is the better for it. How much the error
  * grows without it is taken from btf_between_errors (3 and 11). A plan that can be folded counts by its folded
  * cost; the bytes of the fold are not weighed. No memory is allocated. Errors: BTF_ERROR_USAGE (a range that holds no direction, a negative or
  * infinite number). */

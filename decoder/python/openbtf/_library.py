@@ -113,7 +113,8 @@ class Range(ctypes.Structure):
 
 class Scene(ctypes.Structure):
     _fields_ = [("struct_size", c_size_t), ("view", Range), ("light", Range), ("pixels", c_float), ("lights", c_uint32),
-                ("interpolate", c_int), ("costs", c_void_p)]
+                ("interpolate", c_int), ("costs", c_void_p), ("still_lights", c_int), ("no_fold", c_int),
+                ("folded_pixels", c_double), ("folded_bytes", c_size_t)]
 
 
 class Plan(ctypes.Structure):
@@ -124,7 +125,7 @@ class Plan(ctypes.Structure):
         ("measured", c_int), ("psnr_linear", c_float), ("psnr_srgb", c_float), ("full_psnr_linear", c_float),
         ("full_psnr_srgb", c_float), ("between_psnr_linear", c_float), ("between_psnr_srgb", c_float),
         ("full_between_psnr_linear", c_float), ("full_between_psnr_srgb", c_float), ("fold", c_int),
-        ("fold_bytes", c_size_t), ("folded_cost", c_float), ("fold_pixels", c_double)]
+        ("fold_bytes", c_size_t), ("folded_cost", c_float), ("fold_pixels", c_double), ("price", c_float)]
 
 
 class LightSampling(ctypes.Structure):

@@ -103,7 +103,8 @@ class Plan:
 
     Attributes: `effects` (names), `components`, `interpolation`, `filter`, `level`, `gpu_bytes`, `full_gpu_bytes`,
     `cost` and `full_cost` (ns a pixel of the model: ratios mean something), `psnr` and `full_psnr` (linear, sRGB-coded
-    dB at the samples), `between_psnr`, `full_between_psnr` (between them; None where the file does not know), `fold`.
+    dB at the samples), `between_psnr`, `full_between_psnr` (between them; None where the file does not know), `fold`,
+    `price` (what plans are compared by: relative time, folded where that is less, plus relative bytes).
     """
 
     def __init__(self, plan):
@@ -124,6 +125,7 @@ class Plan:
         self.between_psnr = (plan.between_psnr_linear, plan.between_psnr_srgb) if known else None
         self.full_between_psnr = (plan.full_between_psnr_linear, plan.full_between_psnr_srgb) if known else None
         self.fold = list(_FOLDS)[plan.fold]
+        self.price = plan.price
 
     def __repr__(self):
         return "<openbtf.Plan: %s, %d components, level %d, %s of %s bytes, %.0f %% of the time>" % (
@@ -479,13 +481,15 @@ class Material:
         finally:
             c.library.btf_free(text)
 
-    def plan(self, view=None, light=None, tolerance=0.5, pixels=1.0, lights=1, interpolate=False, costs=None):
+    def plan(self, view=None, light=None, tolerance=0.5, pixels=1.0, lights=1, interpolate=False, costs=None,
+             still_lights=False, folds=True):
         """The cheapest way to decode a scene at most `tolerance` dB worse where the scene looks (openbtf/plan.h).
 
         `view` and `light`: None for every direction, (theta_min, theta_max) or (theta_min, theta_max, phi_min, phi_max)
         in degrees, or a unit vector as an array of 3 floats for one that never changes. `pixels`: side of a texel on
         the screen. `lights`: evaluations a pixel. `interpolate`: never nearest directions. `costs`: a file of prices of the
-        device (openbtf/cost.h); default those of llvmpipe.
+        device (openbtf/cost.h); default those of llvmpipe. `still_lights`: the lights of the range stand still, so that
+        with a fixed view their sum can be folded. `folds`: False where nothing will be folded (openbtf/fold.h).
 
         >>> import openbtf, os
         >>> m = openbtf.open(os.environ["OPENBTF_SAMPLE"])
@@ -493,7 +497,8 @@ class Material:
         >>> m.restrict(plan).gpu_bytes == plan.gpu_bytes <= m.gpu_bytes
         True
         """
-        scene = c.Scene(struct_size=sizeof(c.Scene), pixels=pixels, lights=lights, interpolate=int(interpolate))
+        scene = c.Scene(struct_size=sizeof(c.Scene), pixels=pixels, lights=lights, interpolate=int(interpolate),
+                        still_lights=int(still_lights), no_fold=int(not folds))
         for target, value, name in ((scene.view, view, "view"), (scene.light, light, "light")):
             if value is None:
                 continue

@@ -17,6 +17,8 @@
 #include "render.h"
 #include "sampled_environment.h"
 #include "settings.h"
+#include "shade_fold.h"
+#include "still_lights.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,6 +37,8 @@ typedef struct job {
     light *lights;                    /* as given */
     sampled_environment *environment; /* with --light environment */
     btf_shader_options still;         /* without a plan: what is the same in every sample of every frame */
+    still_lights still_lights;        /* several that are the same in every sample */
+    light_list together;              /* one that stands for them */
     /* with --plan auto */
     btf_material *whole;
     plan_range *seen; /* [frame] */
@@ -121,6 +125,11 @@ static btf_result open_shader(job *j, int frames) {
                               .level = render_options.figure13 ? 0 : render_options.level,
                               .threads = render_options.threads,
                               .costs = costs_of(j)};
+    if (j->still_lights.count > 0) {
+        request.lights = j->still_lights.count;
+        request.light_directions = j->still_lights.directions;
+        request.light_weights = j->still_lights.weights;
+    }
     if (render_options.figure13) {
         request.effects[0] = 0;
         request.effects[1] = BTF_EFFECT_SHADOW;
@@ -148,6 +157,7 @@ static btf_result open_shader(job *j, int frames) {
         memcpy(request.fixed_light, j->still.fixed_light, sizeof request.fixed_light);
     }
     btf_result result = shader_create(&request, &j->log, &j->shader);
+    j->scene.lights = !result && shader_shows_sum(j->shader) ? &j->together : &render_options.lights;
     if (!result && render_options.size[0] * render_options.samples > shader_max_width(j->shader)) {
         return cli_error(&render_program, BTF_ERROR_UNSUPPORTED,
                          "%d samples a row exceed the device's GL_MAX_TEXTURE_SIZE %d",
@@ -225,9 +235,30 @@ static btf_result see_frames(job *j) {
     return result ? cli_error(&render_program, result, "out of memory for a plan") : BTF_OK;
 }
 
-/* Finds what never changes, without a plan: a light on a flat mesh, perhaps the view. */
+static bool wants_folds(void) {
+    return shade_fold_wanted((shader_fold)render_options.fold, render_options.device,
+                             render_options.stochastic ? BTF_PICK_ALL : BTF_PICK_NONE);
+}
+
+/* Finds several lights that are the same in every sample, so that their sum can be folded. */
+static btf_result find_still_lights(job *j) {
+    if (render_options.fold == SHADER_FOLD_NEVER || render_options.stochastic || render_options.figure13 ||
+        render_options.frames > 1) {
+        return BTF_OK;
+    }
+    const btf_result result = still_lights_find(&j->scene, &j->still_lights);
+    j->together = (light_list){&j->still_lights.together, 1};
+    return result ? cli_error(&render_program, result, "out of memory for lights") : BTF_OK;
+}
+
+/* Finds what never changes, without a plan: a light on a flat mesh, perhaps the view; or several lights and the view. */
 static btf_result find_still(job *j) {
     const bool turns = render_options.frames > 1 && render_options.animate != 0;
+    if (j->still_lights.count > 0) {
+        j->still.fixed = BTF_FIXED_VIEW;
+        memcpy(j->still.fixed_view, j->still_lights.view, sizeof j->still.fixed_view);
+        return BTF_OK;
+    }
     if (render_options.fold == SHADER_FOLD_NEVER || render_options.lights.count != 1 || j->environment ||
         turns || !mesh_is_flat(j->mesh)) {
         return BTF_OK;
@@ -250,11 +281,15 @@ static btf_result find_still(job *j) {
 /* The plan for a range of frames that begins with `first`, and the material and shader that it calls for.
  */
 static btf_result plan_frames(job *j, int first) {
-    const frame_wishes wishes = {.tolerance = (float)render_options.tolerance,
-                                 .interpolate =
-                                     render_options.frames > 1 || render_options.interpolation_given,
-                                 .finest = render_options.level >= 0,
-                                 .costs = costs_of(j)};
+    const frame_wishes wishes = {
+        .tolerance = (float)render_options.tolerance,
+        .interpolate = render_options.frames > 1 || render_options.interpolation_given,
+        .finest = render_options.level >= 0,
+        .costs = costs_of(j),
+        .still_lights = (uint32_t)j->still_lights.count,
+        .folds = j->still_lights.count > 0 ? render_options.fold != SHADER_FOLD_NEVER : wants_folds(),
+        .samples = render_options.fold == SHADER_FOLD_ALWAYS ? 0 : count_samples(j, 1),
+        .fold_bytes = SHADE_FOLD_BYTES};
     btf_result result =
         frame_plan(j->whole, j->seen, first, render_options.frames, &wishes, &j->planned_end, &j->plan);
     shader_destroy(&j->shader);
@@ -336,6 +371,9 @@ static btf_result prepare(job *j, const char *path) {
     }
     if (size) {
         memcpy(j->lights, render_options.lights.lights, size);
+    }
+    if ((result = find_still_lights(j))) {
+        return result;
     }
     if (render_options.plan != 0) {
         result = find_still(j);
@@ -492,6 +530,7 @@ static btf_result run(const char *path) {
     btf_material_close(&j.baseline);
     free(j.seen);
     free(j.lights);
+    still_lights_clear(&j.still_lights);
     light_list_clear(&render_options.lights);
     return result;
 }

@@ -6,15 +6,16 @@
 
 #include <math.h>
 
-static float price(const btf_plan *plan) {
-    return plan->cost / plan->full_cost + (float)plan->gpu_bytes / (float)plan->full_gpu_bytes;
-}
-
-static btf_result make(const btf_material *material, const plan_range *range, const frame_wishes *wishes,
-                       btf_plan *plan) {
+static btf_result make(const btf_material *material, const plan_range *range, int frames,
+                       const frame_wishes *wishes, btf_plan *plan) {
     btf_scene scene = plan_range_scene(range);
     scene.interpolate = wishes->interpolate;
     scene.costs = wishes->costs;
+    scene.still_lights = wishes->still_lights > 0;
+    scene.lights = wishes->still_lights;
+    scene.no_fold = !wishes->folds;
+    scene.folded_pixels = wishes->samples * frames;
+    scene.folded_bytes = wishes->fold_bytes;
     if (wishes->finest) {
         scene.pixels = 1;
     }
@@ -24,21 +25,21 @@ static btf_result make(const btf_material *material, const plan_range *range, co
 btf_result frame_plan(const btf_material *material, const plan_range *seen, int first, int count,
                       const frame_wishes *wishes, int *out_end, btf_plan *out_plan) {
     plan_range together = seen[first];
-    btf_result result = make(material, &together, wishes, out_plan);
-    float cheapest = price(out_plan);
+    btf_result result = make(material, &together, 1, wishes, out_plan);
+    float cheapest = out_plan->price;
     *out_end = first + 1;
     while (!result && *out_end < count) {
         plan_range more = together;
         btf_plan one, all;
         plan_range_join(&more, &seen[*out_end]);
-        result = make(material, &seen[*out_end], wishes, &one);
+        result = make(material, &seen[*out_end], 1, wishes, &one);
         if (!result) {
-            result = make(material, &more, wishes, &all);
+            result = make(material, &more, *out_end + 1 - first, wishes, &all);
         }
-        if (result || price(&all) > 1.25f * fminf(cheapest, price(&one))) {
+        if (result || all.price > 1.25f * fminf(cheapest, one.price)) {
             break;
         }
-        cheapest = fminf(cheapest, price(&one));
+        cheapest = fminf(cheapest, one.price);
         together = more;
         *out_plan = all;
         ++*out_end;

@@ -221,7 +221,8 @@ static const cli_option option_table[] = {
      .help = "whether a light that is the same in every pixel, and with --fov 0 the view, is\n"
              "decoded once for all pictures: where it takes less time (default), where it is\n"
              "defined, never. A light alone not where the material has an SBRDF or gloss, which\n"
-             "depend on the view too. The picture is the same"},
+             "depend on the view too. The picture is the same. Where the view is too, so are\n"
+             "several lights far away: their sum, in single precision, if relief is not decoded"},
     {.name = "tolerance",
      .arg = "DB",
      .type = CLI_DOUBLE,

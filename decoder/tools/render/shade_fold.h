@@ -8,12 +8,22 @@
 #include "shader_class.h"
 #include <openbtf/reference.h>
 
-/* The options of a variant, its fold included: that of btf_fold_best, where the request wants it: where it is cheaper for
- * the samples that are to be shaded, and of at most 1 GB. The device's own settings (have_precise) are not set. */
-btf_shader_options shade_fold_options(const shader_request *request, int variant);
+/* Most bytes of a fold. */
+enum { SHADE_FOLD_BYTES = 1000000000 };
 
-/* The fold of a level by the reference, to be freed: as btf_ref_folded takes it. NULL when out of memory. */
-float *shade_fold_reference(const btf_ref_material *material, const btf_ref_options *options, btf_fold fold,
-                            const float light[3], const float view[3], int threads);
+/* Whether a request folds where that is defined: as it says, but the evaluator on the CPU, which is not the shader of the
+ * cost model, on demand alone, and nothing that is decoded stochastically. */
+bool shade_fold_wanted(shader_fold fold, const char *device, btf_picks picks);
+
+/* The options of a variant, its fold included: that of btf_fold_best, where the request wants it: where it is cheaper for
+ * the samples that are to be shaded, and of at most SHADE_FOLD_BYTES. Where the request has several lights, the fold is
+ * BTF_FOLD_BOTH, of their sum, or none, on the CPU as on a GPU. The device's own settings (have_precise) are not set. Where SHADER_FOLD_ALWAYS is
+ * not followed though what is fixed would allow a fold, a warning on log says why. */
+btf_shader_options shade_fold_options(const shader_request *request, int variant, const btf_log *log);
+
+/* The fold of a level by the reference, to be freed: as btf_ref_folded takes it; of the request's lights the sum. NULL when
+ * out of memory. */
+float *shade_fold_reference(const btf_ref_material *material, const btf_ref_options *options,
+                            const btf_shader_options *folded, const shader_request *request);
 
 #endif

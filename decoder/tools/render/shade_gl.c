@@ -168,24 +168,33 @@ static void make_fold(gl_device *d, const shader_request *request, int variant, 
     btf_gl_fold **fold = &d->folds[variant];
     btf_material_info info = {.struct_size = sizeof info};
     const btf_gl_options gl = {sizeof gl, context_get_proc_address, d->context, options};
+    file_kept why;
+    const btf_log keeps = file_log_keep(&why);
     if (options->fold == BTF_FOLD_NONE) {
         return;
     }
-    if (btf_gl_fold_create(request->material, &gl, 1, NULL, fold) == BTF_OK &&
-        btf_gl_fold_run(*fold, d->material, UNIT_MATERIAL, 0, options->fixed_light, options->fixed_view,
-                        NULL) == BTF_OK) {
+    btf_result result = btf_gl_fold_create(request->material, &gl, 1, &keeps, fold);
+    if (result == BTF_OK && request->lights > 0) {
+        result = btf_gl_fold_run_lights(*fold, d->material, UNIT_MATERIAL, 0, (uint32_t)request->lights,
+                                        request->light_directions, request->light_weights,
+                                        options->fixed_view, &keeps);
+    } else if (result == BTF_OK) {
+        result = btf_gl_fold_run(*fold, d->material, UNIT_MATERIAL, 0, options->fixed_light,
+                                 options->fixed_view, &keeps);
+    }
+    if (result == BTF_OK) {
         return;
     }
     btf_material_get_info(request->material, &info);
-    file_warn(log, "%s refuses %zu bytes for a fold: nothing is folded", d->name,
-              btf_fold_bytes(&info, options->fold, 1));
+    file_warn(log, "%s refuses %zu bytes for a fold: nothing is folded (%s)", d->name,
+              btf_fold_bytes(&info, options->fold, 1), why.text);
     btf_gl_fold_destroy(fold);
     options->fold = BTF_FOLD_NONE;
 }
 
 static btf_result make_variant(gl_device *d, const context_device *device, const shader_request *request,
                                int variant, const btf_log *log) {
-    btf_shader_options options = shade_fold_options(request, variant);
+    btf_shader_options options = shade_fold_options(request, variant, log);
     options.have_precise = device->enable_gpu_shader5;
     make_fold(d, request, variant, &options, log);
     d->folded[variant] = options.fold;

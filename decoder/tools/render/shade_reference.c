@@ -62,13 +62,12 @@ static void prepare_reference(reference *self, const shader_request *request) {
 }
 
 /* Folds a variant at all levels; false when out of memory. */
-static bool fold(reference *r, const shader_request *request, int variant) {
-    const btf_shader_options options = shade_fold_options(request, variant);
+static bool fold(reference *r, const shader_request *request, int variant, const btf_log *log) {
+    const btf_shader_options options = shade_fold_options(request, variant, log);
     for (int i = 0; i < r->levels && options.fold != BTF_FOLD_NONE; i++) {
         btf_ref_folded *f = &r->folded[variant][i];
         f->fold = (int)options.fold; /* the numbers are the same */
-        f->values = shade_fold_reference(&r->level[i], &r->reference_options[variant], options.fold,
-                                         options.fixed_light, options.fixed_view, r->threads);
+        f->values = shade_fold_reference(&r->level[i], &r->reference_options[variant], &options, request);
         if (!f->values) {
             return false;
         }
@@ -103,7 +102,7 @@ static void *create(const shader_request *request, const btf_log *log, btf_resul
                                                   .filter = request->filter};
     }
     for (int i = 0; i < request->variants; i++) {
-        if (!fold(self, request, i)) {
+        if (!fold(self, request, i, log)) {
             file_say(log, "out of memory for a fold");
             *out_result = BTF_ERROR_MEMORY;
             destroy(self);

@@ -16,6 +16,7 @@ struct shader {
     const shader_class *class;
     void *self;
     char folded[60];
+    bool shows_sum;
 };
 
 static void describe_fold(const shader_request *request, btf_fold fold, char *text, size_t size) {
@@ -23,6 +24,9 @@ static void describe_fold(const shader_request *request, btf_fold fold, char *te
     btf_material_get_info(request->material, &info);
     if (fold == BTF_FOLD_NONE) {
         snprintf(text, size, "nothing");
+    } else if (request->lights > 0) {
+        snprintf(text, size, "%zu lights and view, %zu bytes", request->lights,
+                 btf_fold_bytes(&info, fold, 1));
     } else {
         snprintf(text, size, "%s, %zu bytes", fold == BTF_FOLD_LIGHT ? "light" : "light and view",
                  btf_fold_bytes(&info, fold, 1));
@@ -44,6 +48,7 @@ btf_result shader_create(const shader_request *request, const btf_log *log, shad
         return result ? result : BTF_ERROR_MEMORY;
     }
     describe_fold(request, s->class->folded(s->self), s->folded, sizeof s->folded);
+    s->shows_sum = request->lights > 0 && s->class->folded(s->self) != BTF_FOLD_NONE;
     *out_shader = s;
     return BTF_OK;
 }
@@ -59,6 +64,10 @@ void shader_destroy(shader **s) {
 
 const char *shader_folded(const shader *s) {
     return s->folded;
+}
+
+bool shader_shows_sum(const shader *s) {
+    return s->shows_sum;
 }
 
 const char *shader_name(const shader *s) {

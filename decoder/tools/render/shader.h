@@ -17,8 +17,13 @@ typedef struct shader shader;
 btf_result shader_create(const shader_request *request, const btf_log *log, shader **out_shader);
 void shader_destroy(shader **s);
 
-/* Names what variant 0 has folded, and its bytes: "light, 5308416 bytes", "light and view, 65536 bytes", "nothing". */
+/* Names what variant 0 has folded, and its bytes: "light, 5308416 bytes", "light and view, 65536 bytes", "3 lights and view, 65536 bytes",
+ * "nothing". */
 const char *shader_folded(const shader *s);
+
+/* Whether every variant shows the sum of the request's `lights`, each with its weight: sum = sum + radiance * weight in
+ * single precision, in their order (openbtf/fold.h, btf_fold_add). */
+bool shader_shows_sum(const shader *s);
 
 /* The name of the evaluator: "reference decoder", or GL's renderer and version. */
 const char *shader_name(const shader *s);

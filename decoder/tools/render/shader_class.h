@@ -30,7 +30,11 @@ typedef struct shader_request {
     uint32_t fixed; /* as in btf_shader_options: what is the same in every list */
     float fixed_view[3], fixed_light[3];
     shader_fold fold;
-    double samples; /* to be shaded by each variant, about */
+    double samples; /* to be shaded by each variant, about; under all lights */
+    /* Lights that are the same in every list, whose sum is shown as that of one light where it can be folded: view is
+     * fixed, the light is not. 0: none. Both [lights][3]: unit vectors of the tangent frame, irradiance / pi. */
+    size_t lights;
+    const float *light_directions, *light_weights;
     btf_picks picks; /* other than none: a list is decoded stochastically, */
     int picked;      /* so many times, 1 at least, of which the mean is taken; every list by other random numbers */
     int level;   /* the level of detail that every sample asks for; below 0: they differ */
@@ -46,7 +50,7 @@ typedef struct shader_class {
     int (*max_width)(const void *self);
     btf_result (*run)(void *self, int variant, int width, int rows, const float *inputs, float *out,
                       const btf_log *log);
-    btf_fold (*folded)(const void *self); /* what variant 0 reads */
+    btf_fold (*folded)(const void *self); /* what variant 0 reads; with the request's `lights` their sum */
     btf_result (*time)(void *self, int variant, int repeats, shader_times *out_times);
 } shader_class;
 

@@ -241,6 +241,9 @@ static btf_result prepare(viewer *v, const char *path) {
         return result;
     }
     v->drawing = drawing_create(&v->gl, find_function, NULL, &v->log);
+    if (v->drawing && view_options.costs_file) {
+        drawing_set_costs(v->drawing, &v->costs_of_device);
+    }
     v->overlay = overlay_create(&v->gl, &v->log);
     if (!v->drawing || !v->overlay) {
         return BTF_ERROR_INTERNAL;

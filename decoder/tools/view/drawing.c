@@ -60,7 +60,8 @@ struct drawing {
     double repeat;
     original_texture images;
     bool have_precise;
-    bool folds_refused; /* by GL: it was told once, and no other is tried */
+    bool folds_refused;          /* by GL: it was told once, and no other is tried */
+    const btf_cost_model *costs; /* that say when a fold pays; NULL: those of llvmpipe */
     history *history;
     view_state accumulated; /* the state that the history is of */
     int accumulated_source;
@@ -163,6 +164,14 @@ btf_result drawing_set_plan(drawing *d, int slot, const btf_material *material, 
     return result;
 }
 
+void drawing_set_costs(drawing *d, const btf_cost_model *costs) {
+    d->costs = costs;
+}
+
+bool drawing_folds(const drawing *d, const view_state *s) {
+    return !d->folds_refused && !s->stochastic;
+}
+
 void drawing_use_plan(drawing *d, int slot) {
     d->used = 1 + slot;
     for (int i = 1; i < SOURCES; i++) {
@@ -220,20 +229,23 @@ static btf_shader_options options_of(const drawing *d, const source *s, const va
 static btf_result fold(drawing *d, source *s, const variant *v, double pixels, const btf_log *log) {
     btf_material_info info = {.struct_size = sizeof info};
     const btf_gl_options gl = {sizeof gl, d->get, d->user, NULL};
+    file_kept why;
+    const btf_log keeps = file_log_keep(&why);
     btf_shader_options options = options_of(d, s, v);
     options.fixed = s->plan.shader.fixed; /* of the whole material, too */
     memcpy(options.fixed_light, s->plan.shader.fixed_light, sizeof options.fixed_light);
-    if (d->folds_refused || !s->textures || !light_fold_wanted(s->material, &options, pixels)) {
+    if (d->folds_refused || !s->textures || !light_fold_wanted(s->material, &options, pixels, d->costs)) {
         light_fold_clear(&s->fold);
         return BTF_OK;
     }
-    if (light_fold_make(&s->fold, s->material, s->textures, &gl, &options, UNIT_MATERIAL, NULL) == BTF_OK) {
+    if (light_fold_make(&s->fold, s->material, s->textures, &gl, &options, UNIT_MATERIAL, &keeps) ==
+        BTF_OK) {
         return BTF_OK;
     }
     d->folds_refused = true;
     btf_material_get_info(s->material, &info);
-    file_warn(log, "GL refuses %zu bytes for a fold of the light: nothing is folded from here on",
-              btf_fold_bytes(&info, BTF_FOLD_LIGHT, 1));
+    file_warn(log, "GL refuses %zu bytes for a fold of the light: nothing is folded from here on (%s)",
+              btf_fold_bytes(&info, BTF_FOLD_LIGHT, 1), why.text);
     return BTF_OK;
 }
 

@@ -45,6 +45,13 @@ btf_result drawing_fold_plan(drawing *d, int slot, const view_state *s, double p
  * is none. */
 btf_result drawing_fold_whole(drawing *d, const float light[3], const view_state *s, double pixels, const btf_log *log);
 
+/* The prices by which a fold pays (NULL, at first: those of llvmpipe); they must outlive the drawing. */
+void drawing_set_costs(drawing *d, const btf_cost_model *costs);
+
+/* Whether a light that rests will be folded, where that pays: GL has refused no fold, and the state's picture is not drawn
+ * stochastically. */
+bool drawing_folds(const drawing *d, const view_state *s);
+
 /* Bytes of the fold that is drawn from, 0: nothing is folded. */
 size_t drawing_folded(const drawing *d);
 

@@ -6,23 +6,22 @@
 
 #include <string.h>
 
-static const size_t most_bytes = 512000000;
-static const double most_frames = 10;
-
 static btf_shader_options folding(const btf_shader_options *options) {
     btf_shader_options folded = *options;
     folded.fold = BTF_FOLD_LIGHT;
     return folded;
 }
 
-bool light_fold_wanted(const btf_material *material, const btf_shader_options *options, double pixels) {
+bool light_fold_wanted(const btf_material *material, const btf_shader_options *options, double pixels,
+                       const btf_cost_model *costs) {
+    const btf_scene scene = {.struct_size = sizeof scene, .costs = costs};
     const btf_shader_options folded = folding(options);
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
     return options->fixed & BTF_FIXED_LIGHT && btf_fold_check(&info, &folded, NULL) == BTF_OK &&
-           btf_fold_bytes(&info, BTF_FOLD_LIGHT, 1) <= most_bytes &&
+           btf_fold_bytes(&info, BTF_FOLD_LIGHT, 1) <= LIGHT_FOLD_BYTES &&
            btf_fold_layers(&info, BTF_FOLD_LIGHT, 1) <= BTF_MAX_DIRECTION_LAYERS && /* that every GL has */
-           btf_fold_cost(material, &folded, NULL).pixels <= most_frames * pixels;
+           btf_fold_cost(material, &folded, &scene).pixels <= LIGHT_FOLD_FRAMES * pixels;
 }
 
 /* Whether both keep the same values: relief and filter act on what is kept. */

@@ -14,9 +14,14 @@ typedef struct light_fold {
     btf_shader_options made; /* what it was made for */
 } light_fold;
 
+/* Most bytes of a fold, and frames within which it must pay. */
+enum { LIGHT_FOLD_BYTES = 512000000, LIGHT_FOLD_FRAMES = 10 };
+
 /* Whether a shader of these options, which fix a light, should read a fold where frames have so many pixels: it is
- * defined, of at most half a gigabyte, and pays within ten frames. */
-bool light_fold_wanted(const btf_material *material, const btf_shader_options *options, double pixels);
+ * defined, of at most LIGHT_FOLD_BYTES, and pays within LIGHT_FOLD_FRAMES by the prices `costs` (NULL: those of
+ * llvmpipe). */
+bool light_fold_wanted(const btf_material *material, const btf_shader_options *options, double pixels,
+                       const btf_cost_model *costs);
 
 /* Makes the fold for these options from the material's textures, unless it is there. Errors: those of
  * btf_gl_fold_create and _run; there is none then. */

@@ -8,6 +8,7 @@
 #include "decoder/toolkit/scene_option.h"
 #include "decoder/tools/render/plan_range.h"
 #include "decoder/tools/mesh/vec.h"
+#include "light_fold.h"
 #include "options.h"
 #include <math.h>
 #include <stdio.h>
@@ -127,6 +128,11 @@ static btf_result do_next_part(viewer *v) {
     btf_result result = BTF_OK;
     const double start = glfwGetTime();
     if (p->stage == STAGE_MAKE) {
+        /* What the drawing will not fold, the plan must not count on. */
+        btf_scene *target = &p->planner.target;
+        target->no_fold = !drawing_folds(v->drawing, &v->state);
+        target->folded_pixels = (double)LIGHT_FOLD_FRAMES * p->size[0] * p->size[1];
+        target->folded_bytes = LIGHT_FOLD_BYTES;
         result = planner_make(&p->planner, v->material, (float)view_options.tolerance,
                               view_options.costs_file ? &v->costs_of_device : NULL, &v->log);
     } else if (p->stage == STAGE_UPLOAD) {

@@ -245,7 +245,8 @@ static btf_result find_plan(const btf_web_material *material, const btf_web_scen
                          .light = range_of(&scene->light),
                          .pixels = scene->pixels,
                          .lights = scene->lights,
-                         .interpolate = (int)scene->interpolate};
+                         .interpolate = (int)scene->interpolate,
+                         .no_fold = 1}; /* the module makes no folds */
     memset(out_plan, 0, sizeof *out_plan);
     out_plan->struct_size = sizeof *out_plan;
     const btf_result result = btf_plan_effects(material->material, &s, scene->tolerance, out_plan);

@@ -42,7 +42,7 @@ double plan_psnr(double mse) {
 btf_result plan_pack(const enc_context *context, const enc_data *data, enc_solution *solution,
                      btf_layout layout, int levels, btf_material **out_material) {
     enc_levels fitted = {0};
-    float *errors = NULL;
+    enc_effect_tables effects = {0};
     enc_pack_options options = {.layout = layout, .method = "", .options = "", .source = ""};
     btf_result result = BTF_OK;
     if (levels > 1) {
@@ -54,14 +54,17 @@ btf_result plan_pack(const enc_context *context, const enc_data *data, enc_solut
         result = enc_pack(context, data, solution, &options, out_material);
     }
     if (result == BTF_OK) {
-        result = enc_effect_errors(context, data, *out_material, &errors, &options.effect_error_count);
+        result = enc_effect_errors(context, data, *out_material, &effects);
     }
     if (result == BTF_OK) {
-        options.effect_errors = errors;
+        options.effect_errors = effects.errors;
+        options.effect_error_count = effects.error_count;
+        options.effect_differences = effects.differences;
+        options.effect_difference_count = effects.difference_count;
         btf_material_close(out_material);
         result = enc_pack(context, data, solution, &options, out_material);
     }
-    free(errors);
+    enc_effect_tables_clear(&effects);
     enc_levels_clear(&fitted);
     return result;
 }

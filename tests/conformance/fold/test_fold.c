@@ -293,11 +293,24 @@ static void plans_fold(void **state) {
     assert_int_equal(plan.fold, BTF_FOLD_LIGHT);
     assert_int_equal(plan.fold_bytes, 9 * 16 * (13 * 7 + 6 * 3 + 3 * 1));
     assert_true(plan.folded_cost < plan.cost && plan.fold_pixels > 0);
+    assert_true(fabsf(plan.price - plan.folded_cost / plan.full_cost -
+                      (float)plan.gpu_bytes / (float)plan.full_gpu_bytes) < 1e-6f);
     const float with_relief = plan.folded_cost;
     assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
     assert_int_equal(plan.fold, BTF_FOLD_LIGHT);
     assert_true(plan.folded_cost < with_relief && plan.views == 81);
     const double pixels = plan.fold_pixels;
+    const size_t bytes = plan.fold_bytes;
+    for (int i = 0; i < 5; ++i) { /* folds that a scene does not make, and those that it just makes */
+        btf_scene limited = scene;
+        limited.no_fold = i == 0;
+        limited.folded_pixels = i == 1 ? pixels * 0.99 : i == 3 ? pixels * 1.01 : 0;
+        limited.folded_bytes = i == 2 ? bytes - 1 : i == 4 ? bytes : 0;
+        assert_int_equal(btf_plan_effects(flat, &limited, 0, &plan), BTF_OK);
+        assert_int_equal(plan.fold, i < 3 ? BTF_FOLD_NONE : BTF_FOLD_LIGHT);
+        assert_true(i < 3 ? plan.folded_cost == plan.cost && plan.fold_bytes == 0 && plan.fold_pixels == 0
+                          : plan.folded_cost < plan.cost && plan.fold_bytes == bytes);
+    }
     scene.view = top; /* fewer views are folded sooner */
     assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
     assert_true(plan.views < 40 && plan.fold_bytes == (size_t)plan.views * 16 * (13 * 7 + 6 * 3 + 3 * 1));
@@ -315,6 +328,19 @@ static void plans_fold(void **state) {
     scene.lights = 3; /* one sum is */
     assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
     assert_true(plan.fold == BTF_FOLD_BOTH && plan.folded_cost == both);
+    const btf_scene one = scene;
+    scene.light = (btf_range){.theta = {0, 60}};
+    assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK); /* lights that move */
+    assert_int_equal(plan.fold, BTF_FOLD_NONE);
+    scene.still_lights = 1;
+    assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
+    assert_true(plan.fold == BTF_FOLD_BOTH && plan.folded_cost == both);
+    assert_int_equal(btf_plan_effects(raised, &scene, 0, &plan), BTF_OK); /* neighbours have no sums */
+    assert_int_equal(plan.fold, BTF_FOLD_NONE);
+    scene.view = top;
+    assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
+    assert_int_equal(plan.fold, BTF_FOLD_NONE);
+    scene = one;
     scene.lights = 0;
     for (int i = 0; i < 2; ++i) { /* with relief, and gloss too, neighbouring views */
         assert_int_equal(btf_plan_effects(i ? glossy : raised, &scene, 0, &plan), BTF_OK);
@@ -355,6 +381,14 @@ static void plans_weigh_gloss(void **state) {
     assert_true(plan.folded_cost < plan.cost && plan.cost < plan.full_cost);
     assert_true(fabs(plan.between_psnr_linear + 10 * log10(0.0105)) < 1e-3);
     assert_true(fabs(plan.full_between_psnr_linear - 20) < 1e-3);
+    for (int i = 0; i < 3; ++i) { /* gloss stays where the fold is not made */
+        btf_scene unfolded = scene;
+        unfolded.no_fold = i == 0;
+        unfolded.folded_pixels = i == 1 ? 1 : 0;
+        unfolded.folded_bytes = i == 2 ? 1 : 0;
+        assert_int_equal(btf_plan_effects(material, &unfolded, 0.5f, &plan), BTF_OK);
+        assert_true(plan.effects == EFFECTS && plan.fold == BTF_FOLD_NONE);
+    }
     static const float tighter[] = {0.15f, 0};
     for (int i = 0; i < 2; ++i) {
         assert_int_equal(btf_plan_effects(material, &scene, tighter[i], &plan), BTF_OK);

@@ -62,8 +62,57 @@ static void wrong_calls_are_refused(void **state) {
     btf_material_close(&material);
 }
 
+/* State of the second draw buffer and viewport, where GL has it: setting that of the first is no reason to change it. */
+typedef struct second_state {
+    void (*set_mask)(GLuint, GLboolean, GLboolean, GLboolean, GLboolean);
+    void (*get_mask)(GLenum, GLuint, GLboolean *);
+    void (*set_viewport)(GLuint, GLfloat, GLfloat, GLfloat, GLfloat);
+    void (*get_viewport)(GLenum, GLuint, GLfloat *);
+    void (*enable)(GLenum, GLuint);
+    void (*disable)(GLenum, GLuint);
+    GLboolean (*is_enabled)(GLenum, GLuint);
+} second_state;
+
+/* False where the context has none. */
+static bool load_second_state(const gl_api *api, const btf_gl_options *options, second_state *s) {
+    static const char *const names[] = {"glColorMaski",  "glGetBooleani_v", "glViewportIndexedf",
+                                        "glGetFloati_v", "glEnablei",       "glDisablei",
+                                        "glIsEnabledi"};
+    btf_gl_function of[7];
+    GLint major = 0, minor = 0;
+    api->GetIntegerv(GL_MAJOR_VERSION, &major);
+    api->GetIntegerv(GL_MINOR_VERSION, &minor);
+    for (int i = 0; i < 7; ++i) {
+        of[i] = options->get_proc_address(options->user, names[i]);
+        if (!of[i] || 10 * major + minor < 41 ||
+            strstr((const char *)api->GetString(GL_VERSION), "OpenGL ES")) {
+            return false;
+        }
+    }
+    _Static_assert(sizeof *s == sizeof of, "one function each");
+    memcpy(s, of, sizeof of);
+    return true;
+}
+
+static void check_second_state(const second_state *s, bool set) {
+    static const GLfloat viewport[4] = {7, 8, 9, 10};
+    static const GLboolean mask[4] = {GL_FALSE, GL_TRUE, GL_TRUE, GL_FALSE};
+    GLfloat there[4] = {0};
+    GLboolean masked[4] = {0};
+    if (set) {
+        s->set_viewport(1, viewport[0], viewport[1], viewport[2], viewport[3]);
+        s->set_mask(1, mask[0], mask[1], mask[2], mask[3]);
+        s->disable(GL_SCISSOR_TEST, 1);
+    }
+    s->get_viewport(GL_VIEWPORT, 1, there);
+    s->get_mask(GL_COLOR_WRITEMASK, 1, masked);
+    assert_memory_equal(there, viewport, sizeof viewport);
+    assert_memory_equal(masked, mask, sizeof mask);
+    assert_false(s->is_enabled(GL_SCISSOR_TEST, 1));
+}
+
 /* The state of an application changes nothing of a fold, and is as it was: a scissor, masks, another
- * framebuffer and program; the layers are what the reference keeps. */
+ * framebuffer and program, another draw buffer and viewport; the layers are what the reference keeps. */
 static void state_is_left_alone(void **state) {
     (void)state;
     static const GLenum names[] = {
@@ -89,6 +138,11 @@ static void state_is_left_alone(void **state) {
     api->Scissor(1, 1, 1, 1);
     api->ColorMask(1, 0, 0, 1);
     api->Viewport(3, 4, 5, 6);
+    second_state second;
+    const bool has_second = load_second_state(api, &options, &second);
+    if (has_second) {
+        check_second_state(&second, true);
+    }
     for (int i = 0; i < NAMES; ++i) {
         api->GetIntegerv(names[i], before[i]);
     }
@@ -97,6 +151,11 @@ static void state_is_left_alone(void **state) {
         api->GetIntegerv(names[i], after[i]);
     }
     assert_memory_equal(before, after, sizeof before);
+    if (has_second) {
+        check_second_state(&second, false);
+    }
+    print_message("%s\n",
+                  has_second ? "a second draw buffer and viewport, too" : "one draw buffer and viewport");
     api->Disable(GL_SCISSOR_TEST);
     api->Disable(GL_DEPTH_TEST);
     api->ColorMask(1, 1, 1, 1);

@@ -83,8 +83,8 @@ static enc_data *make_data(const enc_context *context, const enc_direction *dire
 }
 
 /* A material with the values that the encoder measured of it. */
-static btf_material *with_tables(const float *values, size_t count, const float *between,
-                                 size_t between_count, btf_result expected) {
+static btf_material *with_all(const enc_effect_tables *tables, const float *between, size_t between_count,
+                              btf_result expected) {
     enc_direction directions[DIRECTIONS];
     make_directions(directions);
     btf_material *plain = make_material(directions), *made = NULL;
@@ -95,8 +95,10 @@ static btf_material *with_tables(const float *values, size_t count, const float 
     btf_material_desc desc = {.struct_size = sizeof desc,
                               .views = xyz[0],
                               .lights = xyz[0],
-                              .effect_errors = values,
-                              .effect_error_count = count,
+                              .effect_errors = tables->errors,
+                              .effect_error_count = tables->error_count,
+                              .effect_differences = tables->differences,
+                              .effect_difference_count = tables->difference_count,
                               .between_errors = between,
                               .between_error_count = between_count};
     desc.info = (btf_material_info){.struct_size = sizeof desc.info};
@@ -106,6 +108,16 @@ static btf_material *with_tables(const float *values, size_t count, const float 
     assert_int_equal(btf_material_create(&desc, NULL, &made), expected);
     btf_material_close(&plain);
     return made;
+}
+
+static btf_material *with_tables(const float *values, size_t count, const float *between,
+                                 size_t between_count, btf_result expected) {
+    const enc_effect_tables tables = {.errors = (float *)(uintptr_t)values, .error_count = count};
+    return with_all(&tables, between, between_count, expected);
+}
+
+static btf_material *with_measured(const enc_effect_tables *tables) {
+    return with_all(tables, NULL, 0, BTF_OK);
 }
 
 static btf_material *with_errors(const float *values, size_t count, btf_result expected) {
@@ -136,14 +148,16 @@ static void errors_are_the_integrals(void **state) {
     make_directions(directions);
     enc_data *data = make_data(&context, directions);
     btf_material *material = make_material(directions), *back = NULL;
-    float *values = NULL, *again = NULL;
-    size_t count = 0, count_again = 0;
-    assert_int_equal(enc_effect_errors(&context, data, material, &values, &count), BTF_OK);
-    assert_int_equal(enc_effect_errors(&alone, data, material, &again, &count_again), BTF_OK);
-    assert_int_equal(count, count_again);
-    assert_memory_equal(values, again, count * sizeof *values);
+    enc_effect_tables tables, again;
+    assert_int_equal(enc_effect_errors(&context, data, material, &tables), BTF_OK);
+    assert_int_equal(enc_effect_errors(&alone, data, material, &again), BTF_OK);
+    assert_int_equal(tables.error_count, again.error_count);
+    assert_memory_equal(tables.errors, again.errors, tables.error_count * sizeof *tables.errors);
+    assert_int_equal(tables.difference_count, again.difference_count);
+    assert_memory_equal(tables.differences, again.differences,
+                        tables.difference_count * sizeof *tables.differences);
 
-    btf_material *made = with_errors(values, count, BTF_OK);
+    btf_material *made = with_measured(&tables);
     void *file;
     size_t size;
     assert_int_equal(btf_material_save_memory(made, NULL, &file, &size), BTF_OK);
@@ -172,8 +186,22 @@ static void errors_are_the_integrals(void **state) {
             assert_true(without[at + 1] > 0.5f * without[at] && without[at + 1] < 2 * without[at]);
         }
     }
-    free(values);
-    free(again);
+    /* Differences to the full decode: none of its own, the whole of the gain elsewhere, and no rows at samples. */
+    const btf_effect_errors d = btf_material_effect_differences(back);
+    assert_true(d.view_bands == RINGS && d.row_count == 8 && d.row_stride == e.row_stride);
+    const float *same = find_row(&d, BTF_EFFECT_GAIN, 0), *changed = find_row(&d, 0, 0);
+    assert_non_null(find_row(&d, BTF_EFFECT_GAIN, 1));
+    for (uint32_t r = 0; r < d.row_count; r++) {
+        assert_true(d.rows[(size_t)r * d.row_stride + 2] != 2);
+    }
+    for (int i = 5; i < (int)d.row_stride; i++) {
+        assert_true(same[i] == 0);
+        /* against the data it is the same, but for the chord */
+        assert_true(fabsf(changed[i] - without[i]) < 0.15f * without[i]);
+    }
+    enc_effect_tables_clear(&tables);
+    enc_effect_tables_clear(&again);
+    assert_true(tables.errors == NULL && tables.difference_count == 0);
     btf_material_close(&material);
     btf_material_close(&made);
     btf_material_close(&back);
@@ -217,10 +245,10 @@ static void full_decodes_are_measured_finely(void **state) {
     assert_int_equal(
         enc_data_create(&context, SIDE, SIDE, DIRECTIONS, directions, DIRECTIONS, directions, &black),
         BTF_OK);
-    float *values = NULL;
-    size_t count = 0;
-    assert_int_equal(enc_effect_errors(&context, black, material, &values, &count), BTF_OK);
-    const float *limits = values + 2, *row = values + 4 + 2 * RINGS;
+    enc_effect_tables tables;
+    assert_int_equal(enc_effect_errors(&context, black, material, &tables), BTF_OK);
+    const float *values = tables.errors, *limits = values + 2, *row = values + 4 + 2 * RINGS;
+    const size_t count = tables.error_count;
     while (!(row[0] == (float)(BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL) && row[1] == 40 &&
              row[2] == 0)) {
         row += 5 + 2 * RINGS * RINGS;
@@ -250,7 +278,7 @@ static void full_decodes_are_measured_finely(void **state) {
     }
     print_message("root mean square %.2f %%\n", 100 * sqrt(square));
     assert_true(worst < 0.09 && sqrt(square) < 0.05); /* 0.28 and 0.18 without samples of its own */
-    free(values);
+    enc_effect_tables_clear(&tables);
     btf_material_close(&material);
     enc_data_destroy(&black);
 }
@@ -275,6 +303,8 @@ static void wrong_tables_are_refused(void **state) {
         memcpy(values, good, sizeof good);
         values[wrong[i].index] = wrong[i].value;
         assert_null(with_errors(values, COUNT, BTF_ERROR_USAGE));
+        const enc_effect_tables differences = {.differences = values, .difference_count = COUNT};
+        assert_null(with_all(&differences, NULL, 0, BTF_ERROR_USAGE));
     }
     for (size_t count = 1; count < COUNT; count++) {
         made = with_errors(good, count, count == 7 ? BTF_OK : BTF_ERROR_USAGE); /* 7: no row */

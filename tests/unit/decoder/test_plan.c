@@ -267,24 +267,52 @@ static bool is_near(float psnr, double mse) {
     return fabs((double)psnr + 10 * log10(mse)) < 1e-3;
 }
 
-/* The material of the known table, and with `between` of the other as well. */
-static btf_material *make_known(bool between) {
+/* Laid out as known_table: what differs from everything decoded. */
+/* clang-format off */
+static const float difference_table[] = {
+    2, 1, 0, 30, 75, 0, 75,
+    EFFECTS, 8, 0, 0, 0, 0, 0, 0, 0,
+    EFFECTS, 4, 0, 0, 0, 0.0002f, 0.0002f, 0.004f, 0.008f,
+    BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL, 4, 0, 0, 0, 0.003f, 0.001f, 0.1f, 0.1f,
+    BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL, 4, 1, 0, 0, 0.004f, 0.004f, 0.1f, 0.1f,
+    BTF_EFFECT_RESIDUAL, 4, 0, 0, 0, 0.02f, 0.02f, 0.1f, 0.1f,
+};
+
+/* More of known_table: errors where view and light are samples. */
+static const float sample_rows[] = {
+    EFFECTS, 8, 2, 0, 0, 0.0005f, 0.001f, 0.0005f, 0.001f,
+    BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL, 4, 2, 0, 0, 0.0015f, 0.002f, 0.1f, 0.1f,
+};
+/* clang-format on */
+
+/* The parts that a known material has beside its table. */
+enum { PLAIN = 0, WITH_BETWEEN = 1, WITH_DIFFERENCES = 2, WITH_SAMPLES = 4 };
+
+/* The material of the known table and of others as well. */
+static btf_material *make_known(int parts) {
     random_state r = {5};
     btf_material_desc desc = random_material_desc(16, 16, 81, 81, BTF_LAYOUT_TIGHT, EFFECTS);
     desc.info.colour = BTF_COLOUR_NONE;
     desc.info.lobes = 0;
     desc.info.components = 8;
     desc.info.levels = 2;
-    desc.effect_errors = known_table;
-    desc.effect_error_count = sizeof known_table / sizeof *known_table;
-    desc.between_errors = between ? between_table : NULL;
-    desc.between_error_count = between ? sizeof between_table / sizeof *between_table : 0;
+    enum { KNOWN = sizeof known_table / sizeof *known_table, MORE = sizeof sample_rows / sizeof *sample_rows };
+    float table[KNOWN + MORE];
+    memcpy(table, known_table, sizeof known_table);
+    memcpy(table + KNOWN, sample_rows, sizeof sample_rows);
+    desc.effect_errors = table;
+    desc.effect_error_count = parts & WITH_SAMPLES ? KNOWN + MORE : KNOWN;
+    desc.between_errors = parts & WITH_BETWEEN ? between_table : NULL;
+    desc.between_error_count = parts & WITH_BETWEEN ? sizeof between_table / sizeof *between_table : 0;
+    desc.effect_differences = parts & WITH_DIFFERENCES ? difference_table : NULL;
+    desc.effect_difference_count =
+        parts & WITH_DIFFERENCES ? sizeof difference_table / sizeof *difference_table : 0;
     return make(&desc, &r);
 }
 
 static void plans_tell_of_what_lies_between(void **state) {
     (void)state;
-    btf_material *plain = make_known(false), *material = make_known(true);
+    btf_material *plain = make_known(PLAIN), *material = make_known(WITH_BETWEEN);
     btf_scene scene = {.struct_size = sizeof scene, .view.theta = {0, 30}};
     btf_plan plan;
     assert_int_equal(btf_plan_effects(plain, &scene, 0.7f, &plan), BTF_OK); /* a file without the table */
@@ -316,9 +344,38 @@ static void plans_tell_of_what_lies_between(void **state) {
     btf_material_close(&material);
 }
 
+/* Between the samples a plan adds its squared difference to everything decoded; without a table of these, the mean of what
+ * the error grows by at the samples and against interpolated data. Where nothing is known between, neither counts. */
+static void plans_add_differences(void **state) {
+    (void)state;
+    enum { CHEAPEST = BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL };
+    btf_material *told = make_known(WITH_BETWEEN | WITH_DIFFERENCES | WITH_SAMPLES),
+                 *old = make_known(WITH_BETWEEN | WITH_SAMPLES), *silent = make_known(WITH_DIFFERENCES);
+    const btf_scene scene = {.struct_size = sizeof scene, .view.theta = {0, 30}};
+    btf_plan plan;
+    assert_int_equal(btf_plan_effects(told, &scene, 0.3f, &plan), BTF_OK); /* the cheapest: 0.003 beside 0.005 */
+    assert_false(plan.effects == CHEAPEST && plan.components == 4);
+    assert_int_equal(btf_plan_effects(told, &scene, 2.1f, &plan), BTF_OK); /* 2.04 dB */
+    assert_true(plan.effects == CHEAPEST && plan.components == 4);
+    assert_true(is_near(plan.between_psnr_linear, 0.01 + 0.003) && is_near(plan.between_psnr_srgb, 0.02 + 0.001));
+    assert_true(is_near(plan.psnr_linear, 0.00115)); /* against the data as before */
+    assert_int_equal(btf_plan_effects(told, &scene, 2.0f, &plan), BTF_OK);
+    assert_false(plan.effects == CHEAPEST && plan.components == 4);
+    assert_int_equal(btf_plan_effects(old, &scene, 0.48f, &plan), BTF_OK); /* 0.001 and 0.00015: 0.47 dB */
+    assert_true(plan.effects == CHEAPEST && plan.components == 4);
+    assert_true(is_near(plan.between_psnr_linear, 0.01 + 0.000575) && is_near(plan.between_psnr_srgb, 0.02 + 0.0006));
+    assert_int_equal(btf_plan_effects(old, &scene, 0.46f, &plan), BTF_OK);
+    assert_false(plan.effects == CHEAPEST && plan.components == 4);
+    assert_int_equal(btf_plan_effects(silent, &scene, 0.7f, &plan), BTF_OK);
+    assert_true(plan.effects == CHEAPEST && plan.components == 4 && plan.between_psnr_linear == 0);
+    btf_material_close(&told);
+    btf_material_close(&old);
+    btf_material_close(&silent);
+}
+
 static void plans_follow_the_table(void **state) {
     (void)state;
-    btf_material *material = make_known(false);
+    btf_material *material = make_known(PLAIN);
     btf_scene scene = {.struct_size = sizeof scene};
     btf_plan plan;
 
@@ -507,7 +564,7 @@ int main(void) {
         cmocka_unit_test(restrictions_are_small),   cmocka_unit_test(fixed_neighbours_are_the_reference_s),
         cmocka_unit_test(plans_follow_the_table),   cmocka_unit_test(plans_tell_of_what_lies_between),
         cmocka_unit_test(costs_follow_the_model),   cmocka_unit_test(costs_of_factors_follow_the_model),
-        cmocka_unit_test(wrong_scenes_are_refused),
+        cmocka_unit_test(plans_add_differences),    cmocka_unit_test(wrong_scenes_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -136,6 +136,23 @@ static void frames_share_plans(void **state) {
     assert_int_equal(frame_plan(material, seen, 5, 6, &wishes, &end, &plan), BTF_OK);
     assert_int_equal(end, 6);
     assert_true(plan.shader.fixed == BTF_FIXED_VIEW);
+    /* Folds of what stands still: as the wishes say, and for as many samples as all frames of the plan show. */
+    plan_range still[3];
+    for (int i = 0; i < 3; i++) {
+        still[i] = see(0, 30, 40, lights, 1, "plane");
+    }
+    frame_wishes folding = wishes;
+    assert_int_equal(frame_plan(material, still, 0, 3, &folding, &end, &plan), BTF_OK);
+    assert_true(end == 3 && plan.shader.fixed == (BTF_FIXED_VIEW | BTF_FIXED_LIGHT) &&
+                plan.fold == BTF_FOLD_NONE);
+    folding.folds = true;
+    assert_int_equal(frame_plan(material, still, 0, 3, &folding, &end, &plan), BTF_OK);
+    assert_true(plan.fold == BTF_FOLD_BOTH && plan.fold_pixels > 0);
+    folding.samples = plan.fold_pixels / 2;
+    assert_int_equal(frame_plan(material, still, 0, 3, &folding, &end, &plan), BTF_OK);
+    assert_true(end == 3 && plan.fold == BTF_FOLD_BOTH);
+    assert_int_equal(frame_plan(material, still, 2, 3, &folding, &end, &plan), BTF_OK);
+    assert_true(plan.fold == BTF_FOLD_NONE);
     btf_material_close(&material);
 }
 
