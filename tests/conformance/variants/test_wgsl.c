@@ -8,7 +8,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "tests/conformance/variant_rows.h"
+#include "variant_rows.h"
 
 #include <ctype.h>
 #include <openbtf/shader.h>
