@@ -45,8 +45,10 @@ const posts = {
     '/case': ({ name, wrong }) => report(name, wrong),
     '/note': say,
 };
-// the control, a line that main.js prints; the request that requests.js sees refused; the context that three loses
-const EXPECTED = { requests: [/openbtf\.invalid/], three: browser === 'chromium' ? [/Context Lost/, /Context Restored/] : [] };
+// the control, a line that main.js prints; the request that requests.js sees refused; what three says of the context that it loses, and
+// Babylon of its version (Firefox prints only errors)
+const CHATTER = browser === 'chromium' ? { three: [/Context Lost/, /Context Restored/], babylon_example: [/Babylon\.js v/] } : {};
+const EXPECTED = { requests: [/openbtf\.invalid/], ...CHATTER };
 const expected = [/control: a line of the console/, ...job.parts.flatMap((part) => EXPECTED[part] ?? [])];
 report(`the page in ${browser} comes to its end, without an error in the console`,
     await runPage(browser, '/page/index.html', folders, posts, job, expected));
