@@ -5,7 +5,7 @@
  */
 import { open } from '/package/index.js';
 import { closeFrame, openFrame, pixelsOf, statusOf } from './frame.js';
-import { bytes, note, report } from './post.js';
+import { bytes, note, picture, report } from './post.js';
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const unit = (a) => a.map((x) => x / Math.hypot(...a));
@@ -42,6 +42,7 @@ export async function run({ material: name, damaged }) {
     const canvas = frame.contentDocument.getElementById('canvas');
     const scene = frame.contentWindow.BABYLON.EngineStore.LastCreatedScene;
     const pixels = await nextPicture(scene, canvas);
+    await picture('babylon example', pixels, canvas.width);
     const material = await open(await bytes(`/golden/${name}`));
     const [sphere] = scene.meshes, side = canvas.width;
     let compared = 0, near = 0, lit = 0, mirrored = 0;
