@@ -3,11 +3,12 @@
  *     run_browser.mjs chromium|firefox PACKAGE VECTORS GOLDEN NODE_MODULES BTF_RENDER SCRATCH [PART...]
  *
  * PACKAGE: the folder of the npm package. VECTORS: what vectors.py wrote. GOLDEN: tests/data/golden. NODE_MODULES: what npm.sh fetched.
- * SCRATCH: a folder for pictures of btf-render. PART: only these, of the files of page/; default all.
+ * SCRATCH: a folder for pictures of btf-render. PART: only these, of the files of page/; default all. With BTF_PICTURES in the
+ * environment, a folder, it gets the pictures that the tests of three.js and of the examples look at.
  *
  * SPDX-License-Identifier: MIT
  */
-import { readdirSync } from 'node:fs';
+import { readdirSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { needPrograms, runPage } from './browser.mjs';
@@ -44,9 +45,16 @@ const say = (line) => console.log(`[${((Date.now() - start) / 1000).toFixed(0)} 
 const posts = {
     '/case': ({ name, wrong }) => report(name, wrong),
     '/note': say,
+    '/picture': ({ name, url }) => {
+        if (process.env.BTF_PICTURES) {
+            writeFileSync(join(process.env.BTF_PICTURES, `${browser}-${name.replaceAll(/[ ,]+/g, '-')}.png`), Buffer.from(url.split(',')[1], 'base64'));
+        }
+    },
 };
-// the control, a line that main.js prints; the request that requests.js sees refused; the context that three loses
-const EXPECTED = { requests: [/openbtf\.invalid/], three: browser === 'chromium' ? [/Context Lost/, /Context Restored/] : [] };
+// the control, a line that main.js prints; the request that requests.js sees refused; what three says of the context that it loses, and
+// Babylon of its version (Firefox prints only errors)
+const CHATTER = browser === 'chromium' ? { three: [/Context Lost/, /Context Restored/], babylon_example: [/Babylon\.js v/] } : {};
+const EXPECTED = { requests: [/openbtf\.invalid/], ...CHATTER };
 const expected = [/control: a line of the console/, ...job.parts.flatMap((part) => EXPECTED[part] ?? [])];
 report(`the page in ${browser} comes to its end, without an error in the console`,
     await runPage(browser, '/page/index.html', folders, posts, job, expected));

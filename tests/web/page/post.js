@@ -10,6 +10,14 @@ export const report = (name, wrong = '') => post('/case', { name, wrong });
 /** A line for the log. */
 export const note = (line) => post('/note', line);
 
+/** A picture, [side][side][4] bytes, for whoever looks at the test's pictures (BTF_PICTURES of run_browser.mjs). */
+export async function picture(name, pixels, side) {
+    const canvas = document.createElement('canvas');
+    canvas.width = canvas.height = side;
+    canvas.getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(pixels), side, side), 0, 0);
+    await post('/picture', { name, url: canvas.toDataURL() });
+}
+
 async function get(path) {
     const response = await fetch(path);
     if (!response.ok) {

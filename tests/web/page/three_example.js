@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 import { closeFrame, openFrame, pixelsOf, statusOf } from './frame.js';
-import { report } from './post.js';
+import { picture, report } from './post.js';
 
 /** The canvas once `act` has made the example draw; it draws when the camera moves, in the task of the event or in the next frame. */
 function after(frame, canvas, act) {
@@ -53,6 +53,7 @@ export async function run({ material, damaged }) {
     const first = await after(frame, canvas, () => drag(frame, canvas, [250, 250], [252, 250]));
     const second = await after(frame, canvas, () => drag(frame, canvas, [250, 250], [330, 250]));
     await report('three example: the picture has many colours', coloursOf(first) > 500 ? '' : `${coloursOf(first)}`);
+    await picture('three example', first, canvas.width);
     const moved = differing(first, second);
     await report('three example: dragging turns it', moved > 10000 ? '' : `${moved} pixels changed`);
     closeFrame(frame);

@@ -6,7 +6,7 @@ import * as THREE from 'three';
 import { open } from '/package/index.js';
 import { BTFMaterial } from '/package/three.js';
 import { pixelsOf } from './frame.js';
-import { bytes, note, report } from './post.js';
+import { bytes, note, picture, report } from './post.js';
 
 /* Of all pixels, how many may be further than NEAR of 255 from btf-render's. It casts rays in double precision, where three has
  * triangles, interpolated in single precision: silhouettes differ, edges of shadows, and which level of detail a pixel takes. */
@@ -118,6 +118,7 @@ async function compareScenes(renderer, material, scenes) {
     for (const scene of scenes) {
         const world = build(scene, material);
         const theirs = await pictureOf(scene), ours = drawn(renderer, scene, world);
+        await picture(`three ${scene.name}`, ours, renderer.domElement.width);
         // tangents that follow from each triangle are those of a sphere of 128 by 64 facets
         await near(scene.name, ours, theirs, scene.mesh === 'sphere' ? 0.2 : 0.02);
         if (scene.mesh === 'sphere') {
