@@ -11,11 +11,17 @@ import { Browser } from './cdp.mjs';
 const [viewer, gallery, out] = process.argv.slice(2).map((path) => resolve(path));
 needPrograms('chromium');
 const browser = new Browser();
-for (const [name, path, fragment] of [['web-viewer', viewer, '#compare=bare'], ['web-gallery', gallery, '']]) {
-    const page = await browser.open(pathToFileURL(path).href + fragment, { width: 1000, height: 600, scale: 1 });
-    await page.until(`document.documentElement.dataset.exact && document.documentElement.dataset.samples >= ${name === 'web-viewer' ? 2 : 1}`);
-    await page.evaluate(name === 'web-viewer' ? "document.getElementById('h-effects').scrollIntoView(), document.getElementById('said').textContent = ''" : '0');
-    await page.picture(join(out, `${name}.png`));
-    await page.close();
-}
+const open = (path, fragment) => browser.open(pathToFileURL(path).href + fragment, { width: 920, height: 560, scale: 1 });
+
+const cards = await open(gallery, '');
+await cards.until("!document.getElementById('gallery').hidden");
+await cards.picture(join(out, 'web-gallery.png'));
+await cards.close();
+
+const page = await open(viewer, '#compare=shift&split=0.46');
+await page.until('document.documentElement.dataset.exact && document.documentElement.dataset.samples >= 1');
+await page.evaluate("document.getElementById('hint').classList.add('gone'), document.getElementById('h-effects').scrollIntoView()");
+await page.until("getComputedStyle(document.getElementById('hint')).opacity === '0'");
+await page.picture(join(out, 'web-viewer.png'));
+await page.close();
 await browser.close();

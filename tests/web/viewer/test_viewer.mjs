@@ -1,6 +1,8 @@
-/* The viewer and the gallery in Chromium, from file://, by real input events: test_viewer.mjs VIEWER GALLERY GOLDEN PICTURES.
+/* The viewer and the gallery in Chromium, from file://, by real input events: test_viewer.mjs VIEWER GALLERY GOLDEN PICTURES
+ * [PATTERN].
  *
  * VIEWER, GALLERY: the pages. GOLDEN: tests/data/golden. PICTURES: a folder for pictures of each feature, which people look at.
+ * PATTERN: of names of cases, a regular expression; the others are left out.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -10,15 +12,17 @@ import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { needPrograms } from '../browser.mjs';
-import { exitCode, test } from '../harness.mjs';
+import { exitCode, test as run } from '../harness.mjs';
 import { Browser } from './cdp.mjs';
 
-const [viewer, gallery, golden, pictures] = process.argv.slice(2).map((path) => resolve(path));
+const [viewer, gallery, golden, pictures] = process.argv.slice(2, 6).map((path) => resolve(path));
+const pattern = new RegExp(process.argv[6] ?? '');
 const SHIFT = 8;
 needPrograms('chromium');
 mkdirSync(pictures, { recursive: true });
 const work = mkdtempSync(join(tmpdir(), 'openbtf-viewer-files-'));
 const browser = new Browser();
+const test = async (name, body) => (pattern.test(name) ? run(name, body) : undefined);
 const url = (path, hash = '') => pathToFileURL(path).href + hash;
 
 const at = (name) => `document.documentElement.dataset.${name}`;
