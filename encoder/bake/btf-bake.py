@@ -8,6 +8,7 @@ SPDX-License-Identifier: MIT
 """
 import argparse
 import dataclasses
+import glob
 import json
 import os
 import re
@@ -295,9 +296,9 @@ def bake(blender, scene, settings, quiet):
             if child.poll() is None:
                 end_child(child)
             for folder in (settings.output, settings.position):
-                beside = os.path.join(folder, f'.bake-{socket.gethostname()}-{child.pid}.exr')
-                if folder and os.path.exists(beside):
-                    os.remove(beside)
+                beside = os.path.join(glob.escape(folder), f'.bake-{glob.escape(socket.gethostname())}-{child.pid}-*')
+                for path in glob.glob(beside) if folder else ():
+                    os.remove(path)
         if end is None:
             with open(log, encoding='utf-8', errors='replace') as file:
                 last = ''.join(file.readlines()[-15:])

@@ -64,9 +64,9 @@ class Output:
         try:
             os.makedirs(folder, exist_ok=True)
             for name in os.listdir(folder):  # of runs that were killed on this machine
-                if name.startswith(prefix) and not _runs(name[len(prefix):].split('.')[0]):
+                if name.startswith(prefix) and not _runs(name[len(prefix):].split('-')[0]):
                     os.remove(os.path.join(folder, name))
-            self.beside = os.path.join(folder, f'{prefix}{os.getpid()}.exr')
+            self.beside = os.path.join(folder, f'{prefix}{os.getpid()}-{os.urandom(4).hex()}')
             with open(self.beside, 'wb'):
                 pass
             os.remove(self.beside)
@@ -328,7 +328,8 @@ def main():
         try:
             pipe.write(json.dumps({'kind': kind, **values}) + '\n')
             pipe.flush()
-        except BrokenPipeError:  # the driver was killed
+        except BrokenPipeError:  # the driver was killed, and did not remove its folder
+            shutil.rmtree(os.path.dirname(path), ignore_errors=True)
             os._exit(bake_settings.INTERRUPTED)
 
     try:
