@@ -4,7 +4,8 @@
 #
 #   bake.sh BUILD WORK      WORK keeps scenes, images and materials: after a stop the same command goes on
 #
-# BTF_BAKE_OPTIONS are options of btf-bake, in place of --texels 64 --directions ubo --samples 16.
+# BTF_BAKE_OPTIONS are options of btf-bake, in place of --texels 64 --directions ubo --samples 16; BTF_CYCLES_SAMPLES those of
+# the pictures by Cycles alone (128).
 #
 # SPDX-License-Identifier: MIT
 set -euo pipefail
@@ -28,7 +29,7 @@ blender() {
 cycles() { # SCENE WHAT OUT OPTION...: a picture by Cycles alone
     local scene=$1
     shift
-    blender "$scene" -P "$here/bake_cycles.py" -- "$@" --size $size --samples 128 --light "$light"
+    blender "$scene" -P "$here/bake_cycles.py" -- "$@" --size $size --samples "${BTF_CYCLES_SAMPLES:-128}" --light "$light"
 }
 seconds() { # NAME COMMAND...: runs it and adds its core seconds to NAME.seconds, also where it is stopped
     "$python" "$here/bake.py" seconds "$@"
@@ -61,4 +62,11 @@ for each in knit:40,120:drape:2.5:20,-60:0.92 gravel:40,120:torus:4:50,-90:1.3 s
     "$python" "$here/bake.py" compare "$here/bake-$name-sphere.png" "$name-truth.exr" "$name-sphere.exr" >"$name-sphere.json"
     btf-info --json "$name.btf.exr" >"$name-info.json"
 done
+cat <<M
+<!-- scenes: written by tests/bench/regenerate.sh -->
+Baked with \`$options\`, encoded by btf-encode's defaults. Core seconds; PSNR in dB, linear / sRGB, over the samples;
+of the spheres, sRGB: all, where the normal is within 45 degrees of the view, and the outermost tenth of the radius.
+
+M
 "$python" "$here/bake.py" table knit gravel scales
+echo '<!-- /scenes -->'
