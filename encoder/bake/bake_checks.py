@@ -18,20 +18,19 @@ LEAST_PROBE = 64      # pixels along the shorter side of a probe
 class Probe:
     """What the rays of one view meet: depth and position of each, and the radiance of the scene without the sun."""
 
-    def __init__(self, baking, view, path, factor=1, samples=1):
+    def __init__(self, baking, view, path, factor=1):
         scene, s = baking.scene, baking.settings
         baking.set_view(view, ASIDE)
         baking.shine(False)
         bake_scene.write_passes(scene)
         bake_scene.set_size(scene, s, factor)
-        scene.cycles.samples = samples
+        scene.cycles.samples = 1
         try:
             baking.render(path, 0)
         finally:
             baking.shine(True)
-            bake_scene.write_image(scene)
+            bake_scene.write_image(scene, s.samples)
             bake_scene.set_size(scene, s)
-            scene.cycles.samples = s.samples
         found = bake_exr.read(path)
         layer = bake_scene.LAYER
         self.missed = found[layer + '.Depth.Z'] > MISSED

@@ -106,8 +106,8 @@ def _write_whole(path, data):
         raise
 
 
-def write_rgb(path, rgb, comment=''):
-    """Writes [row][column][3] as float channels R, G, B, without compression. Raises OSError."""
+def rgb_file(rgb, comment=''):
+    """The bytes of an OpenEXR file of [row][column][3]: float channels R, G, B, without compression."""
     height, width, _ = rgb.shape
 
     def attribute(name, kind, value):
@@ -130,7 +130,7 @@ def write_rgb(path, rgb, comment=''):
     first = len(head) + 8 * height
     offsets = b''.join(struct.pack('<Q', first + row * (8 + size)) for row in range(height))
     body = b''.join(struct.pack('<ii', row, size) + lines[row].tobytes() for row in range(height))
-    _write_whole(path, head + offsets + body)
+    return head + offsets + body
 
 
 def srgb(linear):

@@ -264,30 +264,32 @@ def configure(scene, s, source):
     c.light_sampling_threshold = 0
     c.use_denoising = c.use_adaptive_sampling = c.use_fast_gi = c.use_animated_seed = False
     c.caustics_reflective = c.caustics_refractive = True
-    c.samples, c.time_limit = s.samples, 0
+    c.time_limit = 0
     c.max_bounces = c.diffuse_bounces = c.glossy_bounces = c.transmission_bounces = c.volume_bounces = s.bounces
     c.min_light_bounces = c.min_transparent_bounces = 0
     c.transparent_max_bounces = max(source.cycles.transparent_max_bounces, 8)
-    # The file: float OpenEXR without time or date, so that the same bake writes the same bytes.
+    # The file: float OpenEXR of one part.
     r.use_file_extension, r.use_overwrite, r.use_placeholder = False, True, False
     for name in dir(r):
         if name.startswith('use_stamp'):
             setattr(r, name, False)
-    write_image(scene)
+    write_image(scene, s.samples)
 
 
-def write_image(scene):
-    """Renders are written as images R, G, B."""
+def write_image(scene, samples):
+    """Renders are written as images R, G, B, of this many samples."""
     image = scene.render.image_settings
     if hasattr(image, 'media_type'):  # Blender 5
         image.media_type = 'IMAGE'
-    image.file_format, image.color_mode, image.color_depth, image.exr_codec = 'OPEN_EXR', 'RGB', '32', 'ZIP'
+    image.file_format, image.color_mode, image.color_depth, image.exr_codec = 'OPEN_EXR', 'RGB', '32', 'NONE'
     layer = scene.view_layers[0]
     layer.use_pass_position = layer.use_pass_z = False
     scene.cycles.pixel_filter_type = 'BOX'
     # Cycles sends its very first path through the centre of the pixel. That point would weigh more than the others of the
-    # box, and lies on edges of meshes laid on the same grid, where a ray may slip through: it is passed over.
-    scene.cycles.sample_offset = 1
+    # box, and lies on edges of meshes laid on the same grid, where a ray may slip through. So samples begin at a power of
+    # two, where a sequence is as even as at its start: noise is 4 to 5 % less than from sample 0 (8 and 16 samples of a
+    # relief), while from sample 1 it would be 2 % more.
+    scene.cycles.samples, scene.cycles.sample_offset = samples, 1 << (samples - 1).bit_length()
 
 
 def write_passes(scene):

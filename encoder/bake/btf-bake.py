@@ -8,6 +8,7 @@ SPDX-License-Identifier: MIT
 """
 import argparse
 import dataclasses
+import glob
 import json
 import os
 import re
@@ -140,7 +141,8 @@ def command_line():
     out.add_argument('--encode', metavar='OUT.btf.exr', help='then encode; options of btf-encode behind --')
     out.add_argument('-q', '--quiet', action='store_true', help='no progress, no summary')
     out.add_argument('-h', '--help', action='help', help='print this and end')
-    out.add_argument('--version', action='version', version='btf-bake ' + (VERSION if VERSION[0].isdigit() else 'of a source folder'), help='print the version and end')
+    version = VERSION if VERSION[0].isdigit() else 'of a source folder'
+    out.add_argument('--version', action='version', version=f'btf-bake {version}', help='print the version and end')
     arguments, more = sys.argv[1:], []
     if '--tile' in arguments[:-1]:  # its numbers may begin with a minus, which argparse would take for an option
         at = arguments.index('--tile')
@@ -294,9 +296,9 @@ def bake(blender, scene, settings, quiet):
             if child.poll() is None:
                 end_child(child)
             for folder in (settings.output, settings.position):
-                beside = os.path.join(folder, f'.bake-{socket.gethostname()}-{child.pid}.exr')
-                if folder and os.path.exists(beside):
-                    os.remove(beside)
+                beside = os.path.join(glob.escape(folder), f'.bake-{glob.escape(socket.gethostname())}-{child.pid}-*')
+                for path in glob.glob(beside) if folder else ():
+                    os.remove(path)
         if end is None:
             with open(log, encoding='utf-8', errors='replace') as file:
                 last = ''.join(file.readlines()[-15:])

@@ -64,9 +64,9 @@ class Output:
         try:
             os.makedirs(folder, exist_ok=True)
             for name in os.listdir(folder):  # of runs that were killed on this machine
-                if name.startswith(prefix) and not _runs(name[len(prefix):].split('.')[0]):
+                if name.startswith(prefix) and not _runs(name[len(prefix):].split('-')[0]):
                     os.remove(os.path.join(folder, name))
-            self.beside = os.path.join(folder, f'{prefix}{os.getpid()}.exr')
+            self.beside = os.path.join(folder, f'{prefix}{os.getpid()}-{os.urandom(4).hex()}')
             with open(self.beside, 'wb'):
                 pass
             os.remove(self.beside)
@@ -76,10 +76,12 @@ class Output:
     def has(self, name):
         return os.path.isfile(os.path.join(self.folder, name))
 
-    def commit(self, name):
-        """Gives what was written to self.beside its name."""
+    def write(self, name, data):
+        """Writes the bytes of a file below the folder."""
         path = os.path.join(self.folder, name)
         try:
+            with open(self.beside, 'wb') as file:
+                file.write(data)
             os.makedirs(os.path.dirname(path), exist_ok=True)
             os.replace(self.beside, path)
         except OSError as error:
@@ -185,13 +187,7 @@ def compare_record(record, output, report):
 
 def write_record(record, output):
     """Writes the record of a data set, which other parts may do at the same time: it is the same file."""
-    try:
-        with open(output.beside, 'w', encoding='utf-8') as file:
-            json.dump(record, file, indent=1)
-            file.write('\n')
-    except OSError as error:
-        raise _unwritable(error, output.beside) from None
-    output.commit(RECORD)
+    output.write(RECORD, (json.dumps(record, indent=1) + '\n').encode())
 
 
 def image_seed(seed, view, light):
@@ -199,8 +195,10 @@ def image_seed(seed, view, light):
     return zlib.crc32(f'{seed} {view} {light}'.encode()) & 0x7fffffff
 
 
-def render_images(settings, baking, output, report):
-    """Renders what is missing of this part, view by view. Returns the number of images rendered."""
+def render_images(settings, baking, output, rendered, report):
+    """Renders what is missing of this part, view by view. rendered: path of the file that Blender writes; it holds times of
+    the run, so that its pixels go into a file of our own. Returns the number of images rendered."""
+    import bake_exr
     own = settings.own_images()
     todo = [each for each in own if not output.has(each[0])]
     done = DoneList(settings, output, [name for name, _, _ in own if output.has(name)])
@@ -214,8 +212,8 @@ def render_images(settings, baking, output, report):
                 baking.set_view(view)
                 at = view
             baking.set_light(light)
-            baking.render(output.beside, image_seed(settings.seed, view, light))
-            output.commit(name)
+            baking.render(rendered, image_seed(settings.seed, view, light))
+            output.write(name, bake_exr.rgb_file(bake_exr.read_rgb(rendered)))
             done.add(name, time.monotonic() - start)
             progress.step()
     finally:
@@ -223,8 +221,8 @@ def render_images(settings, baking, output, report):
     return len(todo)
 
 
-def render_positions(settings, baking, output, views, report):
-    """Writes where each texel looks, an EXR file a view."""
+def render_positions(settings, baking, output, views, rendered, report):
+    """Writes where each texel looks, an EXR file a view. rendered: path of the file that Blender writes."""
     import bake_checks
     import bake_exr
     comment = ('R, G, B: x, y, z of the point that the ray through the centre of a texel meets, from the low corner of the tile '
@@ -234,17 +232,15 @@ def render_positions(settings, baking, output, views, report):
     for view in own:
         name = view_name(view) + '.exr'
         if not output.has(name):
-            probe = bake_checks.Probe(baking, view, output.beside)
-            bake_exr.write_rgb(output.beside, probe.position, comment)
-            output.commit(name)
+            probe = bake_checks.Probe(baking, view, rendered)
+            output.write(name, bake_exr.rgb_file(probe.position, comment))
         progress.step()
 
 
-def render_preview(settings, baking, folder, report):
-    """Writes a few pairs side by side: a row a light, a column a view."""
+def render_preview(settings, baking, rendered, report):
+    """Writes a few pairs side by side: a row a light, a column a view. rendered: path of the file that Blender writes."""
     import bake_exr
     import numpy
-    path = os.path.join(folder, 'preview.exr')
     progress = Progress(report, 'preview', len(PREVIEW_VIEWS) * len(PREVIEW_LIGHTS))
     columns = []
     for view in PREVIEW_VIEWS:
@@ -252,8 +248,8 @@ def render_preview(settings, baking, folder, report):
         column = []
         for light in PREVIEW_LIGHTS:
             baking.set_light(light)
-            baking.render(path, image_seed(settings.seed, view, light))
-            column.append(numpy.pad(bake_exr.read_rgb(path), ((1, 1), (1, 1), (0, 0))))
+            baking.render(rendered, image_seed(settings.seed, view, light))
+            column.append(numpy.pad(bake_exr.read_rgb(rendered), ((1, 1), (1, 1), (0, 0))))
             progress.step()
         columns.append(numpy.concatenate(column, 0))
     try:
@@ -294,6 +290,7 @@ def run(settings, report=None):
             report('warning', text='no view lies within 5 degrees of the normal: btf-encode will not take the data set')
     output = position = None
     scratch = tempfile.mkdtemp(prefix='btf-bake-')
+    path = os.path.join(scratch, 'rendered.exr')
     try:
         if settings.output:
             output = Output(settings.output)
@@ -302,16 +299,16 @@ def run(settings, report=None):
         if settings.position:
             position = Output(settings.position)
         with bake_scene.BakeScene(settings) as baking:
-            bake_checks.check(baking, views, lights, os.path.join(scratch, 'probe.exr'), report)
+            bake_checks.check(baking, views, lights, path, report)
             triangles, rendered = baking.bounds.triangles, 0
             if settings.preview:
-                render_preview(settings, baking, scratch, report)
+                render_preview(settings, baking, path, report)
             if position:
-                render_positions(settings, baking, position, views, report)
+                render_positions(settings, baking, position, views, path, report)
             if output:
                 if not begun:
                     write_record(record, output)
-                rendered = render_images(settings, baking, output, report)
+                rendered = render_images(settings, baking, output, path, report)
     finally:
         for each in (output, position):
             if each:
@@ -331,7 +328,8 @@ def main():
         try:
             pipe.write(json.dumps({'kind': kind, **values}) + '\n')
             pipe.flush()
-        except BrokenPipeError:  # the driver was killed
+        except BrokenPipeError:  # the driver was killed, and did not remove its folder
+            shutil.rmtree(os.path.dirname(path), ignore_errors=True)
             os._exit(bake_settings.INTERRUPTED)
 
     try:
