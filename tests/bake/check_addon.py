@@ -10,6 +10,7 @@ import glob
 import os
 import sys
 import time
+import types
 
 import addon_utils
 import bpy
@@ -68,6 +69,52 @@ def check_settings():
     other = [name for name in properties.BTFSettings.names() if name != 'output' and name != 'sun_angle' and
              getattr(made, name) != getattr(default, name)]
     report('addon-defaults', not other and abs(made.sun_angle - default.sun_angle) < 1e-6, f'{other} {made}')
+
+
+class Layout:
+    """Stands for a panel's layout, which Blender has with a window only: takes what is drawn, where it exists."""
+
+    def __init__(self):
+        self.drawn = set()
+
+    def row(self, **_):
+        return self
+
+    column = row
+
+    def prop(self, data, name, **_):
+        assert name in data.bl_rna.properties, name
+        self.drawn.add(name)
+
+    def prop_search(self, data, name, within, collection, **_):
+        assert hasattr(within, collection)
+        self.prop(data, name)
+
+    def operator(self, name, **_):
+        family, own = name.split('.')
+        getattr(getattr(bpy.ops, family), own).get_rna_type()  # raises where there is none
+        self.drawn.add(name)
+
+    def label(self, text, **_):
+        self.drawn.add(text)
+
+    def template_icon(self, icon_value, **_):
+        assert icon_value > 0
+        self.drawn.add('picture')
+
+
+def check_panel():
+    """Draws the panels, and finds every setting in them."""
+    from openbtf_bake import panel, properties
+    layout = Layout()
+    for each in panel.CLASSES:
+        each.draw(types.SimpleNamespace(layout=layout), bpy.context)
+    panel.menu(types.SimpleNamespace(layout=layout), bpy.context)
+    lacking = set(properties.BTFSettings.names()) - layout.drawn
+    report('addon-panel-has-every-setting', not lacking, f'not drawn: {lacking}')
+    # Not the preview's picture: without a window Blender makes no icons.
+    report('addon-panel-draws', {'btf.preview', 'btf.bake', 'btf.export', '25 images of 8 x 8 texels'} <= layout.drawn,
+           f'{layout.drawn}')
 
 
 def check_bakes(encoder):
@@ -135,6 +182,7 @@ def main():
         if time_ == 'first':
             check_settings()
             check_bakes(encoder)
+            check_panel()
             check_refusals()
         addon_utils.disable(MODULE, default_set=True)
         report(f'addon-unregisters-{time_}', there() == (False, 0, 0), f'{there()}')

@@ -36,7 +36,13 @@ def foreseen(context):
     try:
         settings = context.scene.btf_bake.settings(context, output='/')
         settings.check()
-        count = len(settings.own_images())
+        if settings.pairs:
+            count = len(settings.images())
+        else:
+            views, lights = settings.lists()  # cheaper than the names of all images, at each redraw
+            count = len(views) * len(lights)
+        if settings.part[1] > 1:
+            count = len(range(settings.part[0] - 1, count, settings.part[1]))
         return f'{count} images of {settings.texels[0]} x {settings.texels[1]} texels'
     except BakeError as error:
         return str(error)

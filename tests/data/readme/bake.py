@@ -140,15 +140,17 @@ def text(path):
 
 
 def table(names):
-    print('| scene | triangles | depth | images | bake, core s | encode, core s | bytes on the GPU | PSNR over the samples | sphere: all, middle, rim |')
-    print('| --- | --- | --- | --- | --- | --- | --- | --- | --- |')
+    print('| scene | triangles | depth | texels, samples | images | bake, core s | encode, core s | bytes on the GPU | '
+          'PSNR over the samples | sphere: all, middle, rim |')
+    print('| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |')
     for name in names:
         triangles, depth = re.search(r'(\d+) triangles, ([0-9.]+) of', text(f'{name}.log')).groups()
-        info, sphere = json.loads(text(f'{name}-info.json')), json.loads(text(f'{name}-sphere.json'))
-        count = sum(file.endswith('.exr') for _, _, files in os.walk(name) for file in files)
-        level = info['levels'][0]
-        print(f'| {name} | {int(triangles):,} | {float(depth):.2f} | {count:,} | {float(text(name + "-bake.seconds")):,.0f} | '
-              f'{float(text(name + "-encode.seconds")):.0f} | {level["gpu"]:,} | {level["linear"]:.2f} / {level["srgb"]:.2f} | '
+        report, sphere, made = (json.loads(text(path)) for path in (f'{name}.json', f'{name}-sphere.json', f'{name}/bake.json'))
+        views = len({os.path.dirname(image) for image in made['images']})
+        psnr = report['psnr']['full']
+        print(f'| {name} | {int(triangles):,} | {float(depth):.2f} | {made["texels"][0]} x {made["texels"][1]}, {made["samples"]} | '
+              f'{len(made["images"]):,} ({views} views) | {float(text(name + "-bake.seconds")):,.0f} | '
+              f'{report["core_seconds"]["total"]:.0f} | {report["bytes"]["gpu"]:,} | {psnr["linear"]:.2f} / {psnr["srgb"]:.2f} | '
               f'{sphere["srgb"]:.1f}, {sphere["middle"]:.1f}, {sphere["rim"]:.1f} |')
 
 

@@ -27,7 +27,7 @@ def options():
     parser.add_argument('--size', type=int, default=256, help='pixels along a side')
     parser.add_argument('--samples', type=int, default=64)
     parser.add_argument('--light', default='40,120', help='theta,phi in degrees')
-    parser.add_argument('--repeat', type=int, default=5)
+    parser.add_argument('--repeat', type=int, default=4)
     parser.add_argument('--zoom', type=float, default=0.9)
     parser.add_argument('--threads', type=int, default=0)
     return parser.parse_args(sys.argv[sys.argv.index('--') + 1:])
@@ -52,7 +52,7 @@ def part_of(thing):
     normals[at] = of_loops.reshape(-1, 3)
     slots = np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get('material_index', slots)
-    polygons = np.array([tuple(polygon.vertices) for polygon in mesh.polygons])
+    polygons = at.reshape(len(mesh.polygons), -1)  # triangles alone, or quadrilaterals alone
     return vertices.reshape(-1, 3).astype(float), normals, polygons, slots, list(mesh.materials)
 
 
@@ -83,7 +83,7 @@ def wrap(vertices, normals, column, row, repeat):
 
 
 def wrapped(thing, repeat):
-    """One object of all copies of `thing` on the half of the sphere that is seen, and a little beyond."""
+    """One object of all copies of `thing` on the half of the sphere that is seen."""
     vertices, normals, polygons, slots, materials = part_of(thing)
     if len(polygons) <= 2:  # a rectangle, such as the ground
         low, high = vertices.min(axis=0), vertices.max(axis=0)
@@ -93,7 +93,7 @@ def wrapped(thing, repeat):
     every, count = [], 0
     for column in range(2 * repeat):
         longitude = ((column + 0.5) / repeat - 1) * 180
-        if abs(longitude) > 90 + 180 / repeat:
+        if abs(longitude) >= 90 + 90 / repeat:
             continue
         for row in range(repeat):
             points, turned, there = wrap(vertices, normals, column, row, repeat)
