@@ -39,8 +39,8 @@ static btf_result check_effect_row(const btfi_check *check, const table_kind *ki
                                    size_t length) {
     if (!is_integer(row[0], 0, BTF_EFFECT_ALL) || ((uint32_t)row[0] & ~info->effects) != 0) {
         return btfi_fail(check->log, check->code,
-                         "%s: row %zu decodes the effects %g, which the material does not have",
-                         kind->name, index, (double)row[0]);
+                         "%s: row %zu decodes the effects %g, which the material does not have", kind->name,
+                         index, (double)row[0]);
     }
     const bool residual = ((uint32_t)row[0] & BTF_EFFECT_RESIDUAL) != 0;
     if (!is_integer(row[1], residual ? 1 : 0, residual ? info->components : 0)) {
@@ -57,9 +57,8 @@ static btf_result check_effect_row(const btfi_check *check, const table_kind *ki
     }
     for (size_t i = ROW_HEAD; i < length; i++) {
         if (!(row[i] >= 0 && row[i] <= 1)) {
-            return btfi_fail(check->log, check->code,
-                             "%s: row %zu, number %zu is %g, not within 0 to 1", kind->name, index, i,
-                             (double)row[i]);
+            return btfi_fail(check->log, check->code, "%s: row %zu, number %zu is %g, not within 0 to 1",
+                             kind->name, index, i, (double)row[i]);
         }
     }
     return BTF_OK;

@@ -7,6 +7,8 @@
 
 #include "parser.h"
 
+#pragma GCC visibility push(hidden)
+
 /* An expression without commas, assignments among them; 0 after a failure. */
 uint32_t btfi_parse_expression(btfi_parser *p);
 
@@ -18,5 +20,7 @@ btfi_type btfi_parse_array(btfi_parser *p, btfi_type element);
 
 /* Whether an expression is a constant integer, and its value. */
 int btfi_constant(const btfi_tree *tree, uint32_t node, int64_t *out_value);
+
+#pragma GCC visibility pop
 
 #endif

@@ -7,6 +7,8 @@
 
 #include <stddef.h>
 
+#pragma GCC visibility push(hidden)
+
 /* All zeros is an empty one. Once memory runs out, `failed` stays set and nothing more is appended. */
 typedef struct btfi_growing {
     char *data; /* 0-terminated, malloc'ed; NULL while nothing was appended */
@@ -19,5 +21,7 @@ void btfi_append(btfi_growing *t, const char *data, size_t length);
 
 /* Appends a formatted text of any length. */
 void btfi_print(btfi_growing *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+#pragma GCC visibility pop
 
 #endif

@@ -8,6 +8,8 @@
 #include "growing.h"
 #include "tree.h"
 
+#pragma GCC visibility push(hidden)
+
 /* A name of the text: with _ behind it where WGSL means something else by it. */
 void btfi_write_name(btfi_growing *out, const btfi_token *name);
 
@@ -16,5 +18,7 @@ void btfi_write_function_name(btfi_growing *out, const btfi_tree *tree, const bt
 
 /* A type. */
 void btfi_write_type(btfi_growing *out, const btfi_tree *tree, btfi_type type);
+
+#pragma GCC visibility pop
 
 #endif

@@ -7,6 +7,8 @@
 
 #include "tree.h"
 
+#pragma GCC visibility push(hidden)
+
 /* Once something failed, the parser stands at the last token, END, and every call returns without doing anything. */
 typedef struct btfi_parser {
     const btfi_token *tokens;
@@ -50,5 +52,7 @@ void btfi_show(btfi_parser *p, uint32_t symbol);
 
 /* The struct of this name; -1: none. */
 int32_t btfi_find_struct(const btfi_tree *tree, const btfi_token *name);
+
+#pragma GCC visibility pop
 
 #endif

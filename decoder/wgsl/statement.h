@@ -7,7 +7,11 @@
 
 #include "parser.h"
 
+#pragma GCC visibility push(hidden)
+
 /* A block from its opening brace on; what it declares is visible in it alone. */
 uint32_t btfi_parse_block(btfi_parser *p);
+
+#pragma GCC visibility pop
 
 #endif

@@ -8,6 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#pragma GCC visibility push(hidden)
+
 typedef enum btfi_token_kind {
     BTFI_TOKEN_END,  /* behind the last */
     BTFI_TOKEN_NAME, /* and keywords */
@@ -52,5 +54,7 @@ int btfi_token_is(const btfi_token *token, const char *text);
 
 /* Whether two tokens are the same text. */
 int btfi_tokens_equal(const btfi_token *a, const btfi_token *b);
+
+#pragma GCC visibility pop
 
 #endif

@@ -9,6 +9,8 @@
 
 #include <openbtf/result.h>
 
+#pragma GCC visibility push(hidden)
+
 typedef enum btfi_base {
     BTFI_VOID,
     BTFI_BOOL,
@@ -102,5 +104,7 @@ typedef struct btfi_tree {
     uint32_t n_nodes, n_symbols, n_structs, n_functions;
     uint32_t most; /* of each */
 } btfi_tree;
+
+#pragma GCC visibility pop
 
 #endif

@@ -7,6 +7,8 @@
 
 #include "tree.h"
 
+#pragma GCC visibility push(hidden)
+
 btfi_type btfi_type_of(btfi_base base, unsigned size);
 
 /* The type of this name, of base VOID and size 1 for "void"; size 0: it names none. Structs are the caller's to look up. */
@@ -34,5 +36,7 @@ int btfi_arithmetic(char mark, int64_t a, int64_t b, int64_t *out_value);
 
 /* Whether a mark compares: == != < > <= >= */
 int btfi_compares(const btfi_token *mark);
+
+#pragma GCC visibility pop
 
 #endif

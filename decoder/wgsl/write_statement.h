@@ -7,7 +7,11 @@
 
 #include "writer.h"
 
+#pragma GCC visibility push(hidden)
+
 /* The statements of a block, a line each, without its braces. */
 void btfi_write_statements(btfi_writer *w, uint32_t block);
+
+#pragma GCC visibility pop
 
 #endif

@@ -8,6 +8,8 @@
 #include "growing.h"
 #include "tree.h"
 
+#pragma GCC visibility push(hidden)
+
 typedef struct btfi_writer {
     btfi_growing out;
     btfi_tree *tree;
@@ -33,5 +35,7 @@ void btfi_write_argument(btfi_writer *w, uint32_t node);
 
 /* Whether an out argument is a variable, whose address WGSL takes as it is. */
 int btfi_is_whole_variable(const btfi_tree *tree, uint32_t node);
+
+#pragma GCC visibility pop
 
 #endif

@@ -359,7 +359,8 @@ static size_t steps_of(int level) {
 }
 
 /* A row of a table, of the variant's n-th number of components; returns its end. */
-static float *write_row(const job *j, const variant *v, size_t n, int level, const double *mean, float *row) {
+static float *write_row(const job *j, const variant *v, size_t n, int level, const double *mean,
+                        float *row) {
     const double *of_row = mean + 2 * row_of(v, n) * j->cells;
     *row++ = (float)v->options.effects;
     *row++ = (float)v->components[n];

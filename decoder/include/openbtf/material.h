@@ -373,8 +373,9 @@ typedef struct btf_material_desc {
     const uint16_t *preview;
     /** [n_views], 1 where relief acts on the view, else 0; NULL: it acts on all. Only with BTF_EFFECT_RELIEF. */
     const uint8_t *relief_views;
-    const float *effect_differences; /**< as the attribute openbtf.effectDifferences holds them; NULL: none */
-    size_t effect_difference_count;  /**< floats */
+    const float
+        *effect_differences; /**< as the attribute openbtf.effectDifferences holds them; NULL: none */
+    size_t effect_difference_count; /**< floats */
 } btf_material_desc;
 
 /** @return the picture for viewers of EXR files (see btf_material_desc), owned by the material; NULL when there is

@@ -71,7 +71,7 @@ typedef struct btf_plan {
     float psnr_linear, psnr_srgb; /**< predicted for the plan */
     float full_psnr_linear, full_psnr_srgb; /**< predicted for the full decode of the same level */
     /** Estimated against the truth between the samples, of this plan and of the full decode: what the bands of
-     * btf_between_errors say that the scene meets, and what the plan adds to the full decode's error. The
+     * btf_between_errors say that the scene meets, and what the plan adds to the full decode's error there. The
      * table overstates, so that this is a bound rather than a figure. 0 where the file has no such table, the
      * level is not 0, or view and light are samples, which have nothing between them. */
     float between_psnr_linear, between_psnr_srgb;
@@ -93,9 +93,10 @@ typedef struct btf_plan {
  * looks, and whose mean of relative cost and relative bytes is least. Where view or light lie between the samples and
  * the file says what is lost there (btf_between_errors), that is the full decode's error: the half of it, 3 dB less,
  * since it is of samples left out, at double the gap (BRICKS64: estimated 3.1 to 3.7 dB below what images between the
- * samples show; no file keeps such truth). The error that a plan adds is measured against the samples and against values
- * interpolated between them, and taken to be the same there; beside a larger error it shows less. It is a guess: with relief, BRICKS64's
- * plans lose two to three times as much against images between the samples (tests/bench/README.md). Where view and light are samples, or the
+ * samples show; no file keeps such truth). What a plan adds there is its squared difference to the
+ * full decode (btf_material_effect_differences), as errors of decoding and of interpolation have nothing to do with each
+ * other; beside a larger error it shows less. Where a file has no differences, it is the mean of the growth of the error at the samples,
+ * which is too much, and of that against the data, interpolated, which is too little where relief moves texels. Where view and light are samples, or the
  * file has no such table, or at coarser levels, the error against those alone counts. Ways of the table of effect errors are compared
  * by their mean over the bands that the ranges meet; a view or light that never changes counts by how
  * near to a sample it is, where errors are larger than between. The level is the coarsest whose texels are

@@ -296,7 +296,10 @@ static btf_material *make_known(int parts) {
     desc.info.lobes = 0;
     desc.info.components = 8;
     desc.info.levels = 2;
-    enum { KNOWN = sizeof known_table / sizeof *known_table, MORE = sizeof sample_rows / sizeof *sample_rows };
+    enum {
+        KNOWN = sizeof known_table / sizeof *known_table,
+        MORE = sizeof sample_rows / sizeof *sample_rows
+    };
     float table[KNOWN + MORE];
     memcpy(table, known_table, sizeof known_table);
     memcpy(table + KNOWN, sample_rows, sizeof sample_rows);
@@ -353,17 +356,20 @@ static void plans_add_differences(void **state) {
                  *old = make_known(WITH_BETWEEN | WITH_SAMPLES), *silent = make_known(WITH_DIFFERENCES);
     const btf_scene scene = {.struct_size = sizeof scene, .view.theta = {0, 30}};
     btf_plan plan;
-    assert_int_equal(btf_plan_effects(told, &scene, 0.3f, &plan), BTF_OK); /* the cheapest: 0.003 beside 0.005 */
+    assert_int_equal(btf_plan_effects(told, &scene, 0.3f, &plan),
+                     BTF_OK); /* the cheapest: 0.003 beside 0.005 */
     assert_false(plan.effects == CHEAPEST && plan.components == 4);
     assert_int_equal(btf_plan_effects(told, &scene, 2.1f, &plan), BTF_OK); /* 2.04 dB */
     assert_true(plan.effects == CHEAPEST && plan.components == 4);
-    assert_true(is_near(plan.between_psnr_linear, 0.01 + 0.003) && is_near(plan.between_psnr_srgb, 0.02 + 0.001));
+    assert_true(is_near(plan.between_psnr_linear, 0.01 + 0.003) &&
+                is_near(plan.between_psnr_srgb, 0.02 + 0.001));
     assert_true(is_near(plan.psnr_linear, 0.00115)); /* against the data as before */
     assert_int_equal(btf_plan_effects(told, &scene, 2.0f, &plan), BTF_OK);
     assert_false(plan.effects == CHEAPEST && plan.components == 4);
     assert_int_equal(btf_plan_effects(old, &scene, 0.48f, &plan), BTF_OK); /* 0.001 and 0.00015: 0.47 dB */
     assert_true(plan.effects == CHEAPEST && plan.components == 4);
-    assert_true(is_near(plan.between_psnr_linear, 0.01 + 0.000575) && is_near(plan.between_psnr_srgb, 0.02 + 0.0006));
+    assert_true(is_near(plan.between_psnr_linear, 0.01 + 0.000575) &&
+                is_near(plan.between_psnr_srgb, 0.02 + 0.0006));
     assert_int_equal(btf_plan_effects(old, &scene, 0.46f, &plan), BTF_OK);
     assert_false(plan.effects == CHEAPEST && plan.components == 4);
     assert_int_equal(btf_plan_effects(silent, &scene, 0.7f, &plan), BTF_OK);
