@@ -18,7 +18,10 @@ static struct {
     double effect_tolerance[2]; /* dB; --method paper: dB for each MB */
     bool data_points;
     const char *metric; /* --metric, which was removed: refused with a reason */
-} o = {.all = {.job = {.levels = 1}}, .effects = UINT32_MAX, .preset = ENC_PRESET_MEDIUM, .hidden_threshold = 0.7};
+} o = {.all = {.job = {.levels = 1}},
+       .effects = UINT32_MAX,
+       .preset = ENC_PRESET_MEDIUM,
+       .hidden_threshold = 0.7};
 
 /* Whether options of one method were given, in the order of the table. */
 static bool given[18];
@@ -330,7 +333,7 @@ static btf_result check_effects(const enc_job *job) {
 
 static void settle_paper(enc_job *job) {
     job->fit = given[15] ? (enc_fit_goal)o.fit : ENC_FIT_SAMPLES;
-    job->layout = given[3] ? (o.layout == 1 ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER)
+    job->layout = given[3]           ? (o.layout == 1 ? BTF_LAYOUT_TIGHT : BTF_LAYOUT_PAPER)
                   : job->levels == 1 ? BTF_LAYOUT_PAPER
                                      : BTF_LAYOUT_TIGHT;
     job->paper.effects = o.effects == UINT32_MAX ? paper_effects : o.effects;
@@ -371,9 +374,10 @@ static btf_result settle(void) {
                          "option --resume: expected --checkpoint DIR as well");
     }
     if (o.metric) {
-        return cli_error(&enc_program, BTF_ERROR_USAGE,
-                         "option --metric was removed: --method joint fits the square root of radiance, as "
-                         "balanced and srgb did, and --method paper radiance; leave it out");
+        return cli_error(
+            &enc_program, BTF_ERROR_USAGE,
+            "option --metric: it was removed; --method joint fits the square root of radiance, as "
+            "balanced and srgb did, and --method paper radiance; leave it out");
     }
     job->method = (enc_method)o.method;
     btf_result refused = refuse_other(enc_method_name(job->method));
