@@ -121,7 +121,7 @@ expect "joint: a budget" 0 btf-encode data -o joint.btf.exr --preset fast --budg
 expect_that "joint: the budget is kept" test "$(json joint.json "r['bytes']['gpu'] <= 20000")" = True
 expect_that "joint: the report lists what was tried" test "$(json joint.json "[t['verdict'] for t in r['trials']]")" = "['best']"
 expect "an option that was removed" 1 btf-encode data -o x.btf.exr --metric linear -q
-expect_text "is refused with what to do" "option --metric was removed: .* leave it out" err
+expect_text "is refused with what to do" "option --metric: it was removed; .* leave it out" err
 expect_that "and not told by --help" test -z "$(btf-encode --help | grep -- --metric)"
 expect "a method that was removed" 1 btf-encode data -o x.btf.exr --method factors -q
 expect_text "is refused with those there are" "is not one of joint.paper" err
