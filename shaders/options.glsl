@@ -59,7 +59,8 @@
  *                        enabled GL_ARB_gpu_shader5 or GL_EXT_gpu_shader5
  *     BTF_ZERO           a uint that is 0 at run time and that no compiler knows to be; needed without
  *                        `precise`. Not defined: the uniform btf_zero is declared (0 until it is set)
- *     BTF_UNIFORM(n)     what stands before the sampler of binding n; default `uniform`
+ *     BTF_UNIFORM(n)     what stands before the sampler of binding n; default `uniform`, and where WGSL is made of the text
+ *                        `layout(set = 0, binding = n) uniform`
  *     BTF_BINDING_...    the bindings, all or none: _SBRDF, _MAPS and so on as in btf_texture_id, the default
  *     BTF_NO_INTERFACE   defined: you declare the samplers yourself
  *

@@ -24,31 +24,12 @@ int btfi_constant(const btfi_tree *tree, uint32_t node, int64_t *out_value) {
         if (!btfi_token_is(&n->token, "-") || !btfi_constant(tree, n->a, &a)) {
             return 0;
         }
-        *out_value = -a;
-        return 1;
+        return btfi_arithmetic('-', 0, a, out_value);
     case BTFI_NODE_BINARY:
         if (n->token.length > 1 || !btfi_constant(tree, n->a, &a) || !btfi_constant(tree, n->b, &b)) {
             return 0;
         }
-        switch (n->token.text[0]) {
-        case '+':
-            *out_value = a + b;
-            return 1;
-        case '-':
-            *out_value = a - b;
-            return 1;
-        case '*':
-            *out_value = a * b;
-            return 1;
-        case '/':
-            *out_value = b ? a / b : 0;
-            return b != 0;
-        case '%':
-            *out_value = b ? a % b : 0;
-            return b != 0;
-        default:
-            return 0;
-        }
+        return btfi_arithmetic(n->token.text[0], a, b, out_value);
     default:
         return 0;
     }
@@ -120,6 +101,7 @@ static uint32_t parse_arguments(btfi_parser *p, btfi_type types[MOST_ARGUMENTS],
     uint32_t first = 0, last = 0;
     *count = 0;
     btfi_expect(p, "(");
+    btfi_deeper(p);
     while (p->result == BTF_OK && !btfi_next_is(p, ")")) {
         const uint32_t node = btfi_parse_expression(p);
         if (*count == MOST_ARGUMENTS) {
@@ -137,6 +119,7 @@ static uint32_t parse_arguments(btfi_parser *p, btfi_type types[MOST_ARGUMENTS],
             break;
         }
     }
+    --p->depth;
     btfi_expect(p, ")");
     return first;
 }

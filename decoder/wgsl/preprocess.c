@@ -4,6 +4,8 @@
  */
 #include "preprocess.h"
 
+#include "types.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +13,7 @@
 enum {
     MOST_ARGUMENTS = 16,
     MOST_NESTED = 64, /* conditions */
+    DEEPEST = 200,    /* brackets and operators of a condition in one another */
 };
 
 typedef struct macro {
@@ -147,10 +150,11 @@ static void expand(state *s, const btfi_token *list, size_t count, btfi_tokens *
 typedef struct condition {
     state *s;
     const btfi_token *list;
-    size_t count, at;
+    size_t count, at, depth;
 } condition;
 
 static int64_t evaluate(condition *c, int level);
+static int64_t apply(const char *mark, int64_t a, int64_t b);
 
 static int takes(condition *c, const char *mark) {
     if (c->at < c->count && btfi_token_is(&c->list[c->at], mark)) {
@@ -161,19 +165,29 @@ static int takes(condition *c, const char *mark) {
 }
 
 static int64_t evaluate_one(condition *c) {
+    if (++c->depth > DEEPEST) {
+        fail(c->s, BTF_ERROR_UNSUPPORTED, "a condition too deep in itself", NULL);
+        c->at = c->count;
+    }
     if (takes(c, "!")) {
-        return !evaluate_one(c);
+        int64_t value = !evaluate_one(c);
+        --c->depth;
+        return value;
     }
     if (takes(c, "-")) {
-        return -evaluate_one(c);
+        int64_t value = apply("-", 0, evaluate_one(c));
+        --c->depth;
+        return value;
     }
     if (takes(c, "(")) {
         int64_t value = evaluate(c, 0);
         if (!takes(c, ")")) {
             fail(c->s, BTF_ERROR_UNSUPPORTED, "a condition without a closing bracket", NULL);
         }
+        --c->depth;
         return value;
     }
+    --c->depth;
     if (c->at < c->count &&
         (c->list[c->at].kind == BTFI_TOKEN_INT || c->list[c->at].kind == BTFI_TOKEN_UINT)) {
         return strtoll(c->list[c->at++].text, NULL, 0);
@@ -184,6 +198,7 @@ static int64_t evaluate_one(condition *c) {
 }
 
 static int64_t apply(const char *mark, int64_t a, int64_t b) {
+    int64_t value = 0;
     switch (mark[0]) {
     case '|':
         return a || b;
@@ -197,16 +212,9 @@ static int64_t apply(const char *mark, int64_t a, int64_t b) {
         return mark[1] ? a <= b : a < b;
     case '>':
         return mark[1] ? a >= b : a > b;
-    case '+':
-        return a + b;
-    case '-':
-        return a - b;
-    case '*':
-        return a * b;
-    case '/':
-        return b ? a / b : 0;
     default:
-        return b ? a % b : 0;
+        btfi_arithmetic(mark[0], a, b, &value);
+        return value;
     }
 }
 

@@ -57,6 +57,29 @@ int btfi_compares(const btfi_token *mark) {
            btfi_token_is(mark, ">") || btfi_token_is(mark, "<=") || btfi_token_is(mark, ">=");
 }
 
+int btfi_arithmetic(char mark, int64_t a, int64_t b, int64_t *out_value) {
+    const uint64_t x = (uint64_t)a, y = (uint64_t)b;
+    switch (mark) {
+    case '+':
+        *out_value = (int64_t)(x + y);
+        return 1;
+    case '-':
+        *out_value = (int64_t)(x - y);
+        return 1;
+    case '*':
+        *out_value = (int64_t)(x * y);
+        return 1;
+    case '/':
+        *out_value = b == 0 ? 0 : b == -1 ? (int64_t)(0 - x) : a / b;
+        return b != 0;
+    case '%':
+        *out_value = b == 0 || b == -1 ? 0 : a % b;
+        return b != 0;
+    default:
+        return 0;
+    }
+}
+
 btfi_type btfi_binary_type(const btfi_token *mark, btfi_type a, btfi_type b) {
     const btfi_type none = {0}, boolean = btfi_type_of(BTFI_BOOL, 1);
     if (!btfi_is_plain(a) || !btfi_is_plain(b)) {

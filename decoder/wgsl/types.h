@@ -29,6 +29,9 @@ int btfi_is_builtin(const btfi_token *name);
 /* Whether it gives the bits of its argument as a value of another type. */
 int btfi_keeps_bits(const btfi_token *name);
 
+/* a `mark` b of + - * / %, wrapped at 64 bits; returns 0 where the mark is another one or b divides by 0. */
+int btfi_arithmetic(char mark, int64_t a, int64_t b, int64_t *out_value);
+
 /* Whether a mark compares: == != < > <= >= */
 int btfi_compares(const btfi_token *mark);
 

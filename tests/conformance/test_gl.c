@@ -573,6 +573,21 @@ static void options_are_checked(void **state) {
     assert_non_null(strstr(text, "#define BTF_BINDING_RESIDUAL_TEXELS 26\n"));
     assert_non_null(strstr(text, "layout(set = 3, binding = n) uniform\n"));
     btf_free(text);
+    o = (btf_shader_options){.struct_size = sizeof o, .language = (btf_language)2};
+    assert_int_equal(btf_shader_source(tight, &o, &log_keep, &text), BTF_ERROR_USAGE);
+    assert_non_null(strstr(last_message, "language 2"));
+    /* WGSL has bindings whatever `bindings` says, and the zero whatever `have_precise` says. */
+    o = (btf_shader_options){.struct_size = sizeof o,
+                             .language = BTF_LANGUAGE_WGSL,
+                             .prefix = "cloth",
+                             .have_precise = 1,
+                             .first_binding = 20,
+                             .descriptor_set = 3};
+    assert_int_equal(btf_shader_source(tight, &o, &log_keep, &text), BTF_OK);
+    assert_non_null(strstr(text, "fn cloth_evaluate(uv: vec2f, l: vec3f, v: vec3f) -> vec3f {\n"));
+    assert_non_null(strstr(text, "@group(3) @binding(29) var cloth_view_table: texture_2d<u32>;\n"));
+    assert_non_null(strstr(text, "@group(3) @binding(43) var<uniform> cloth_zero: u32;\n"));
+    btf_free(text);
 }
 
 static int setup(void **state) {

@@ -142,6 +142,15 @@ class Materials(unittest.TestCase):
         with self.assertRaisesRegex(openbtf.UsageError, "prefix"):
             m.glsl(prefix="Not Allowed")
 
+    def test_wgsl(self):
+        m = openbtf.open(GOLDEN[-1])
+        text = m.wgsl(filter="bilinear", prefix="cloth", descriptor_set=2, first_binding=30)
+        self.assertIn("fn cloth_evaluate(uv: vec2f, l: vec3f, v: vec3f) -> vec3f {", text)
+        self.assertIn("@group(2) @binding(39) var cloth_view_table: texture_2d<u32>;", text)
+        self.assertIn("@group(2) @binding(53) var<uniform> cloth_zero: u32;", text)
+        self.assertNotIn("cloth_zero", m.wgsl(math="fast", prefix="cloth"))
+        self.assertIn("fn btf_evaluate_stochastic(", m.wgsl(picks="all"))
+
     def test_plan_and_restrict(self):
         m = openbtf.open(str(ROOT / "tests/data/golden/v1-tight.btf.exr"))
         plan = m.plan(view=(0, 40), light=np.array([0, 0, 1], np.float32), tolerance=1)

@@ -313,6 +313,19 @@ CHANGES = [
         ("decoder/evaluate/sampling.c", "row[i][0] = (uint32_t)(fmin(sum, 1 - share) * 0x1p32);", "row[i][0] = (uint32_t)(fmin(1.3 * sum, 1 - share) * 0x1p32);")]),
     ("a map and the material sampled, weighed as if one were", "sampled_environment", [
         ("decoder/tools/render/sampled_environment.c", "e->by_map * from.density +", "from.density +")]),
+    ("sums and products without the run-time zero where there is no `precise`", "wgsl", [
+        ("shaders/exact.glsl", "#define BTF_ROUND(x) uintBitsToFloat(floatBitsToUint(x) ^ BTF_ZERO)", "#define BTF_ROUND(x) (x)")]),
+    ("a zero of WGSL that the compiler knows", "wgsl", [
+        ("decoder/wgsl/wgsl.c", 'btfi_print(&w->out, "@group(%u) @binding(%u) var%s ", s->group, s->binding,\n               s->type.base == BTFI_TEXTURE ? "" : "<uniform>");',
+         'btfi_print(&w->out, "@group(%u) @binding(%u) var%s ", s->group, s->binding,\n               s->type.base == BTFI_TEXTURE ? "" : "<private>");')]),
+    ("both sides of ?: changed over in WGSL", "wgsl_translate", [
+        ("decoder/wgsl/writer.c", "btfi_write_argument(w, n->c);", "btfi_write_argument(w, n->b);")]),
+    ("what an out parameter gave not put where it belongs in WGSL", "wgsl_translate", [
+        ("decoder/wgsl/write_statement.c", '" = kept_%u;\\n", number', '" == kept_%u;\\n", number')]),
+    ("shifts without brackets in WGSL", "wgsl_translate", [
+        ("decoder/wgsl/writer.c", "if (inner >= BITS || outer >= BITS) {", "if (inner > SHIFT) {")]),
+    ("conditions of any depth in WGSL", "wgsl_translate", [
+        ("decoder/wgsl/preprocess.c", "if (++c->depth > DEEPEST) {", "if (++c->depth == 0) {")]),
 ]
 
 TOOLS = ['encoder/btf-encode', 'encoder/btf-compare', 'decoder/tools/btf-info', 'decoder/tools/btf-decode',
@@ -328,9 +341,9 @@ def program(tree, test):
     tests = f'{tree}/tests'
     if test in ('stability_faults', 'stability_archives'):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
-    if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief', 'relief_end', 'sampled_environment') or test.startswith('reference_'):
+    if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief', 'relief_end', 'sampled_environment', 'wgsl_translate') or test.startswith('reference_'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
-    if test in ('evaluator', 'fold', 'fold_gl', 'sampling'):
+    if test in ('evaluator', 'fold', 'fold_gl', 'sampling', 'wgsl'):
         return [f'tests/conformance/test_{test}'], [f'{tree}/build/tests/conformance/test_{test}']
     if test == 'fuzz-exr':
         return [f'tests/fuzz/{test}'], [f'{tree}/build/tests/fuzz/{test}', f'{tests}/fuzz/corpus/exr']

@@ -10,6 +10,7 @@ import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { Material, OpenBTFError, load, memoryBytes, open } from 'openbtf';
 import * as webgl from 'openbtf/webgl';
+import * as webgpu from 'openbtf/webgpu';
 import { exitCode, test } from './harness.mjs';
 
 const EFFECTS = ['shadow', 'shift', 'hidden', 'gain', 'residual', 'relief', 'gloss'];
@@ -53,6 +54,30 @@ await test('exports map', () => {
     for (const holder of ['OpenEXR Project', 'Jean-loup Gailly', 'Rich Felker', 'Emscripten Authors']) {
         assert.ok(readFileSync(join(folder, 'NOTICES.txt'), 'utf-8').includes(holder), holder);
     }
+});
+
+await test('WGSL of a material', async () => {
+    const material = await open(file('v2-relief.btf.exr'));
+    const text = material.source({ language: 'wgsl', group: 1, firstBinding: 5, prefix: 'stone' });
+    assert.match(text, /^fn stone_evaluate\(uv: vec2f, l: vec3f, v: vec3f\) -> vec3f \{$/m);
+    assert.match(text, /^@group\(1\) @binding\(14\) var stone_view_table: texture_2d<u32>;$/m);
+    assert.match(text, /^@group\(1\) @binding\(28\) var<uniform> stone_zero: u32;$/m);
+    // the textures that openbtf/webgpu uploads are those that the text reads
+    const declared = Array.from(text.matchAll(/var stone_(\w+): texture/g), ([, name]) => name);
+    assert.deepEqual(declared.sort(), [...new Set(material.textures({}).map(({ name }) => name))].sort());
+    assert.doesNotMatch(material.source({ language: 'wgsl', math: 'fast' }), /btf_zero/);
+    await refuses('USAGE', /option language: "hlsl" is none of glsl, wgsl/, () => material.source({ language: 'hlsl' }));
+    await refuses('USAGE', /option group: -1 is no whole number/, () => material.source({ language: 'wgsl', group: -1 }));
+    material.close();
+});
+
+await test('WebGPU is asked for in words', async () => {
+    assert.deepEqual(Object.keys(webgpu).sort(), ['Textures', 'fits', 'selfTest', 'upload']);
+    const material = await open(file('v1-tight.btf.exr'));
+    await refuses('UNSUPPORTED', /device: not a GPUDevice/, () => webgpu.upload({}, material));
+    await refuses('UNSUPPORTED', /device: not a GPUDevice/, () => webgpu.fits({}, material));
+    await refuses('UNSUPPORTED', /device: not a GPUDevice/, () => webgpu.selfTest({}));
+    material.close();
 });
 
 await test('imports of the module', async () => {

@@ -5,6 +5,7 @@
 import { textureNames } from './material.js';
 import { OpenBTFError } from './module.js';
 import { whole } from './records.js';
+import { needDevice } from './webgpu_self_test.js';
 
 export { selfTest } from './webgpu_self_test.js';
 
@@ -26,12 +27,6 @@ const ZERO_BYTES = 16;
 
 function unsupported(message) {
     return new OpenBTFError('UNSUPPORTED', message);
-}
-
-function needDevice(device) {
-    if (typeof GPUDevice === 'undefined' || !(device instanceof GPUDevice)) {
-        throw unsupported('device: not a GPUDevice; (await navigator.gpu.requestAdapter()).requestDevice() gives one where there is WebGPU');
-    }
 }
 
 /** Every way in which textures exceed the limits of a device, as text; null when they do not. */

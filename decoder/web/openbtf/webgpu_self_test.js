@@ -71,6 +71,14 @@ fn wrong(p: vec2u) -> u32 {
 }
 `;
 
+/** Refuses what is no device. */
+export function needDevice(device) {
+    if (typeof GPUDevice === 'undefined' || !(device instanceof GPUDevice)) {
+        throw new OpenBTFError('UNSUPPORTED',
+            'device: not a GPUDevice; (await navigator.gpu.requestAdapter()).requestDevice() gives one where there is WebGPU');
+    }
+}
+
 /* Runs code with a first bind group of one entry, and gives the bits of the rules that failed. */
 async function run(device, code, binding, layoutEntry, resource) {
     const entry = { binding, visibility: GPUShaderStage.COMPUTE, ...layoutEntry };
@@ -162,6 +170,7 @@ async function testAll(device) {
 }
 
 export async function selfTest(device) {
+    needDevice(device);
     await load();
     device.pushErrorScope('validation');
     let failures, thrown;

@@ -22,7 +22,7 @@ const job = {
     long: long === '--long',
 };
 const folders = { '/page/': join(here, '../page'), '/webgpu/': join(here, 'page'), '/package/': packageFolder, '/vectors/': vectors, '/golden/': golden,
-    '/texts/': texts };
+    '/texts/': texts, '/example/openbtf/': packageFolder, '/example/': [join(here, '../../../decoder/web/examples'), golden] };
 const start = Date.now();
 const posts = {
     '/case': ({ name, wrong }) => report(name, wrong),

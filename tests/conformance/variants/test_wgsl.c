@@ -203,6 +203,53 @@ static void translate(const char *macros, char **out_text) {
     free(glsl);
 }
 
+/* Options that rows do not have, in front of the macros of a plain row, and what the text then has. */
+typedef struct extra {
+    const char *macros, *part;
+    uint8_t relief;
+} extra;
+
+static const extra extras[] = {
+    {"#define BTF_FOLDED 1\n#define BTF_N_VIEWS 81u\n",
+     "fn btf_evaluate_folded(uv: vec2f, v: vec3f, light: i32, level: i32) -> vec3f {", 0},
+    {"#define BTF_FOLDED 2\n", "@group(0) @binding(20) var btf_folded: texture_2d_array<u32>;", 0},
+    {"#define BTF_FOLDED 3\n",
+     "return bitcast<vec3f>(textureLoad(btf_folded, vec2i(x), layer, level).xyz);", 2},
+    {"#define BTF_SAMPLING 1\n",
+     "fn btf_sample_light(uv: vec2f, v: vec3f, u1: u32, u2: u32, pdf: ptr<function, f32>) -> vec3f {", 0},
+    {"#define BTF_FIXED_VIEW 3\n#define BTF_FIXED_VIEW_INDEX uvec3(7u, 5u, 6u)\n"
+     "#define BTF_FIXED_VIEW_WEIGHT uvec3(2000u, 1000u, 1096u)\n#define BTF_FIXED_LIGHT 1\n"
+     "#define BTF_FIXED_LIGHT_INDEX uvec3(3u)\n#define BTF_FIXED_LIGHT_WEIGHT uvec3(4096u, 0u, 0u)\n",
+     "(*s).views = btf_neighbours(vec3u(7u, 5u, 6u), vec3u(2000u, 1000u, 1096u));", 0},
+};
+enum { EXTRAS = sizeof extras / sizeof *extras };
+
+static void extra_macros(const extra *e, char *out) {
+    const uint8_t row[PAIRWISE_FACTORS] = {[LAYOUT] = 1, [COLOUR] = 2, [RELIEF] = e->relief};
+    const size_t length = strlen(e->macros);
+    memcpy(out, e->macros, length);
+    row_macros(row, out + length);
+}
+
+static int check_extra(const extra *e) {
+    const uint8_t exact[PAIRWISE_FACTORS] = {0};
+    char macros[2 * ROW_MACROS];
+    extra_macros(e, macros);
+    char *text;
+    translate(macros, &text);
+    if (!text) {
+        return 1;
+    }
+    drop_comments(text);
+    const int wrong =
+        unbalanced(text) + undeclared(text) + check_protection(text, exact) + counted(text, e->part, 1);
+    if (wrong) {
+        fprintf(stderr, "with\n%s", e->macros);
+    }
+    btf_free(text);
+    return wrong;
+}
+
 /* Returns how many things are wrong with one variant. */
 static int check_variant(const uint8_t *row) {
     static const char *const functions[] = {
@@ -242,6 +289,11 @@ static int check_checks(const uint8_t *row) {
     fprintf(stderr, "Complaints that are meant to be seen:\n");
     char *product = strstr(text, "^ btf_zero"), *name = strstr(text, "btf_lookup("),
          *brace = strrchr(text, '}');
+    if (!product || !name || !brace) {
+        fprintf(stderr, "a text without a product, a lookup or a brace\n");
+        btf_free(text);
+        return 1;
+    }
     product[0] = '+';
     int noticed = check_protection(text, row) > 0;
     name[4] = 'L'; /* the declaration, so that calls name nothing */
@@ -260,29 +312,42 @@ static int check_checks(const uint8_t *row) {
     return noticed != 6;
 }
 
-/* Writes the texts of all rows, for compilers of WGSL. */
+static int write_text(const char *folder, size_t number, const char *macros) {
+    char path[4096];
+    char *text;
+    translate(macros, &text);
+    snprintf(path, sizeof path, "%s/%zu.wgsl", folder, number);
+    FILE *file = text ? fopen(path, "w") : NULL;
+    int written = file && fputs(text, file) >= 0;
+    written = file && fclose(file) == 0 && written;
+    btf_free(text);
+    if (!written) {
+        fprintf(stderr, "%s: not written\n", path);
+    }
+    return written;
+}
+
+/* Writes the texts of all rows and extras, for compilers of WGSL. */
 static int write_texts(const char *folder, size_t count, uint8_t (*rows)[PAIRWISE_FACTORS]) {
-    char path[4096], macros[ROW_MACROS];
+    char path[4096], macros[2 * ROW_MACROS];
     snprintf(path, sizeof path, "%s/texts.json", folder);
     FILE *list = fopen(path, "w");
-    for (size_t i = 0; list && i < count; ++i) {
-        row_macros(rows[i], macros);
-        char *text;
-        translate(macros, &text);
-        snprintf(path, sizeof path, "%s/%zu.wgsl", folder, i);
-        FILE *file = text ? fopen(path, "w") : NULL;
-        if (!file || fputs(text, file) < 0 || fclose(file) != 0) {
-            fprintf(stderr, "%s: not written\n", path);
-            return 1;
+    int written = list != NULL;
+    for (size_t i = 0; written && i < count + EXTRAS; ++i) {
+        if (i < count) {
+            row_macros(rows[i], macros);
+        } else {
+            extra_macros(&extras[i - count], macros);
         }
-        btf_free(text);
-        fprintf(list, "%s\"%zu.wgsl\"", i ? ", " : "[", i);
+        written = write_text(folder, i, macros) && fprintf(list, "%s\"%zu.wgsl\"", i ? ", " : "[", i) > 0;
     }
-    if (!list || fputs("]\n", list) < 0 || fclose(list) != 0) {
-        fprintf(stderr, "%s/texts.json: not written\n", folder);
+    written = list && fputs("]\n", list) >= 0 && written;
+    written = list && fclose(list) == 0 && written;
+    if (!written) {
+        fprintf(stderr, "%s: not written\n", path);
         return 1;
     }
-    printf("%zu texts written\n", count);
+    printf("%zu texts written\n", count + EXTRAS);
     return 0;
 }
 
@@ -306,6 +371,9 @@ int main(int argc, char **argv) {
     for (size_t i = 0; i < count && wrong < 10; ++i) {
         wrong += check_variant(rows[i]);
     }
-    printf("%zu variants in WGSL, %d wrong\n", count, wrong);
+    for (size_t i = 0; i < EXTRAS; ++i) {
+        wrong += check_extra(&extras[i]);
+    }
+    printf("%zu variants in WGSL, %d wrong\n", count + EXTRAS, wrong);
     return wrong > 0;
 }

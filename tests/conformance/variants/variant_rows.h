@@ -5,7 +5,7 @@
 #ifndef OPENBTF_CONFORMANCE_VARIANT_ROWS_H
 #define OPENBTF_CONFORMANCE_VARIANT_ROWS_H
 
-#include "pairwise.h"
+#include "tests/conformance/pairwise.h"
 
 /* The options that decide which code exists: a row has a setting of each. */
 enum factor {

@@ -1,0 +1,254 @@
+/* WGSL of GLSL, construct by construct: what the translator writes, and what it refuses.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <openbtf/shader.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static char last_message[400];
+
+static void keep_message(void *user, btf_log_level level, const char *message) {
+    (void)user;
+    (void)level;
+    snprintf(last_message, sizeof last_message, "%s", message);
+}
+
+static const btf_log log_keep = {.callback = keep_message};
+
+/* GLSL, and the lines of WGSL that must stand in its translation, one behind the other, without indentation. */
+typedef struct pair {
+    const char *glsl;
+    const char *lines[8];
+} pair;
+
+/* The next line that is exactly this one, indentation aside; NULL: there is none. */
+static const char *find_line(const char *text, const char *line) {
+    const size_t length = strlen(line);
+    while (text && *text) {
+        text += strspn(text, " ");
+        const size_t own = strcspn(text, "\n");
+        if (own == length && memcmp(text, line, length) == 0) {
+            return text + own;
+        }
+        text += own + (text[own] == '\n');
+    }
+    return NULL;
+}
+
+static void constructs_are_translated(void **state) {
+    (void)state;
+    static const pair pairs[] = {
+        {"float f(float x) { return x * 2.0 + 1.0; }",
+         {"fn f(x: f32) -> f32 {", "return x * 2.0f + 1.0f;"}},
+        /* Literals keep their type; a cast is by name. */
+        {"uint f(int i) { return uint(i) + 0x1Fu; }", {"return u32(i) + 0x1Fu;"}},
+        /* Shifts take as many uints as what is shifted has components. */
+        {"int f(int a, int b) { return a << b >> 3; }", {"return (a << u32(b)) >> 3u;"}},
+        {"uvec3 f(uvec3 a, uint b) { return (a >> b) & 3u; }", {"return (a >> vec3u(b)) & vec3u(3u);"}},
+        {"ivec2 f(ivec2 a, int b) { return a >> (b + 1); }", {"return a >> vec2u(u32(b + 1));"}},
+        /* A scalar among vectors is repeated where WGSL asks for it, and only there. */
+        {"vec2 f(vec2 a) { return min(max(a * 3.0, -1.0), 1.0); }",
+         {"return min(max(a * 3.0f, vec2f(-1.0f)), vec2f(1.0f));"}},
+        {"vec3 f(uvec2 a, int b) { return vec3(a, b); }", {"return vec3f(vec2f(a), f32(b));"}},
+        {"uint f(float x) { return floatBitsToUint(x) ^ 7u; }", {"return bitcast<u32>(x) ^ 7u;"}},
+        {"vec3 f(uvec3 x) { return uintBitsToFloat(x); }", {"return bitcast<vec3f>(x);"}},
+        /* ?: */
+        {"int f(int a) { return a < 0 ? -a : a; }", {"return select(a, -a, (a < 0));"}},
+        /* Comparisons that could be read as the brackets of a type. */
+        {"bool g(bool a, bool b) { return a; } bool f(int a, int b, int c) { return g(a < b, b > c); }",
+         {"return g((a < b), (b > c));"}},
+        /* Parameters that are assigned are copied; variables that are not are constants. */
+        {"int f(int a) { a += 1; int b = a, c = 0; c = b; return c; }",
+         {"fn f(a_given: i32) -> i32 {", "var a: i32 = a_given;", "a += 1;", "let b: i32 = a;",
+          "var c: i32 = 0;", "c = b;"}},
+        /* An array with an index that varies is copied, too: not every compiler takes it from a value. */
+        {"int f(int a[4], int i) { return a[i]; }",
+         {"fn f(a_given: array<i32, 4>, i: i32) -> i32 {", "var a: array<i32, 4> = a_given;"}},
+        {"int f(int a[4]) { return a[2 + 1]; }", {"fn f(a: array<i32, 4>) -> i32 {", "return a[2 + 1];"}},
+        /* Out parameters. A part of a variable is handed over by way of another one. */
+        {"void g(out int a, inout ivec2 b) { a = b.x; b.y += 1; } int f() { int a; ivec2 b = ivec2(1); "
+         "g(a, b); return a; }",
+         {"fn g(a: ptr<function, i32>, b: ptr<function, vec2i>) {", "(*a) = (*b).x;", "(*b).y += 1;",
+          "var a: i32;", "var b: vec2i = vec2i(1);", "g(&a, &b);"}},
+        {"struct s { int a, b; }; void g(out int a, inout int b) { a = b; } int f() { s x; g(x.a, x.b); "
+         "return x.a; }",
+         {"var kept_1: i32;", "var kept_2: i32 = x.b;", "g(&kept_1, &kept_2);", "x.a = kept_1;",
+          "x.b = kept_2;"}},
+        {"void h(inout int a) { a = 1; } void f(inout int a) { h(a); }", {"h(a);"}},
+        /* Swizzles are assigned one component at a time. */
+        {"uvec4 f(uvec4 a) { a.xy += a.zw; return a; }",
+         {"let moved: vec2u = a.xy + a.zw;", "a.x = moved.x;", "a.y = moved.y;"}},
+        {"int f() { int a, b; a = b = 3; return a; }", {"b = 3;", "a = b;"}},
+        /* Loops. */
+        {"int f(int n) { int s = 0; for (int i = 0; i < n; ++i) s += i; return s; }",
+         {"for (var i: i32 = 0; i < n; i++) {", "s += i;"}},
+        {"int f(int n) { int s = 0; for (int i = 0; i < n; ++i, s += 2) { if (s > 9) continue; } return s; "
+         "}",
+         {"var i: i32 = 0;", "loop {", "if (!(i < n)) {", "break;", "continue;", "continuing {", "i++;",
+          "s += 2;"}},
+        {"int f(int n) { int i = 0; do { if (i == 3) break; } while (++i < n); return i; }",
+         {"loop {", "if (i == 3) {", "break;", "continuing {", "i++;", "break if !(i < n);"}},
+        {"int f(int n) { int i = 0; while (i < n) ++i; return i; }", {"while (i < n) {", "i++;"}},
+        {"int f(int a) { if (a == 0) return 1; else if (a == 1) return 2; else return 3; }",
+         {"if (a == 0) {", "return 1;", "} else if (a == 1) {", "return 2;", "} else {", "return 3;"}},
+        /* Functions that share a name. */
+        {"float g(float a) { return a; } vec3 g(vec3 a) { return a; } vec3 f(vec3 a) { return g(a) * "
+         "g(a.x); }",
+         {"fn g_f32(a: f32) -> f32 {", "fn g_vec3f(a: vec3f) -> vec3f {",
+          "return g_vec3f(a) * g_f32(a.x);"}},
+        /* Names that WGSL keeps for itself. */
+        {"int f(int from, int fn) { int let = from, array = fn; return let + array; }",
+         {"fn f(from_: i32, fn_: i32) -> i32 {", "let let_: i32 = from_;", "let array_: i32 = fn_;"}},
+        /* Textures. */
+        {"layout(set = 2, binding = 5) uniform highp usampler2DArray t; uint f(uvec2 x, uint layer) { "
+         "return texelFetch(t, ivec3(x, layer), 1).y; }",
+         {"@group(2) @binding(5) var t: texture_2d_array<u32>;",
+          "return textureLoad(t, vec2i(x), i32(layer), 1).y;"}},
+        {"layout(binding = 1) uniform sampler2D t; vec4 f(ivec2 x) { return texelFetch(t, x, 0); } ivec2 "
+         "g() { return textureSize(t, 0); }",
+         {"@group(0) @binding(1) var t: texture_2d<f32>;", "return textureLoad(t, x, 0);",
+          "return vec2i(textureDimensions(t, 0));"}},
+        {"layout(binding = 7) uniform highp uint zero; uint f() { return zero; }",
+         {"@group(0) @binding(7) var<uniform> zero: u32;"}},
+        /* The preprocessor. */
+        {"#define ADD(a, b) ((a) + (b))\n#define TWO 2\n#if TWO > 1 && defined(WGSL) && "
+         "!defined(OTHER)\nint f(int x) { return ADD(x,\n ADD(TWO, 3)); }\n#else\nno\n#endif\n",
+         {"return x + (2 + 3);"}},
+        {"#ifdef WGSL\n#if 0\n#if UNKNOWN\n#endif\nno\n#else\nint f() { return __VERSION__; "
+         "}\n#endif\n#endif\n",
+         {"return 300;"}},
+        {"#define f(x) f(x + 1)\nint g(int x) { return x; }\n#undef f\nint h(int f) { return f; }\n",
+         {"fn h(f: i32) -> i32 {"}},
+        /* The comment in front of a function stays; precision and `const` need no words. */
+        {"precision highp float;\n/* Twice. */\nfloat f(const highp float x) { const int n = 2; float a[n "
+         "+ 1]; a[0] = x; return a[0]; }",
+         {"/* Twice. */", "fn f(x: f32) -> f32 {", "let n: i32 = 2;", "var a: array<f32, 3>;"}},
+    };
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; ++i) {
+        char *text = NULL;
+        last_message[0] = 0;
+        if (btf_shader_wgsl(pairs[i].glsl, &log_keep, &text) != BTF_OK) {
+            fail_msg("%s: %s", pairs[i].glsl, last_message);
+        }
+        const char *at = text;
+        for (size_t line = 0; line < 8 && pairs[i].lines[line]; ++line) {
+            at = find_line(at, pairs[i].lines[line]);
+            if (!at) {
+                fail_msg("%s\ngives\n%swithout \"%s\" where it belongs", pairs[i].glsl, text,
+                         pairs[i].lines[line]);
+            }
+        }
+        btf_free(text);
+    }
+}
+
+static void other_glsl_is_refused(void **state) {
+    (void)state;
+    static const char *const wrong[][2] = {
+        {"float f(float x) { return sin(x); }", "a call of no function"},
+        {"float f(float x) { return x + 1; }", "an operation that"},
+        {"int f(int a) { return b; }", "a name that nothing declares"},
+        {"int f(int a) { return a ? 1 : 2; }", "an operation that"},
+        {"vec3 f(vec3 a) { return vec3(a.xy); }", "an operation that"},
+        {"int f(ivec2 a) { return a.z; }", "an operation that"},
+        {"mat3 f(vec3 a) { return a; }", "neither a struct, a uniform nor a function"},
+        {"uniform sampler2D t;", "a uniform without a binding"},
+        {"layout(location = 1) uniform int t;", "a layout other than set and binding"},
+        {"precise float f(float a) { return a; }", "neither a struct, a uniform nor a function"},
+        {"int f(int a) { return a", "\";\" is expected"},
+        {"int f(int a) { if (a > 0) { return a; }", "a block without its closing brace"},
+        {"int f(int a) { a; return a; }", "a statement without effect"},
+        {"int f(int a) { return a > 0 ? ++a : a; }", "a side effect on one side of ?:"},
+        {"int f(int a) { if (++a > 0) return a; return 1; }", "a condition with a side effect"},
+        {"int f(int a) { a <<= 2; return a; }", "an assignment that shifts"},
+        {"int f(int n) { int a[n]; return 0; }", "the length of an array is no constant"},
+        {"layout(binding = 0) uniform sampler2DArray t; vec4 f(ivec3 x) { return texelFetch(t, x, 0); }",
+         "a fetch from an array that does not name"},
+        {"#if\n#endif\n", "a condition is no integer expression"},
+        {"#if 1 +\n#endif\n", "a condition is no integer expression"},
+        {"#if UNKNOWN\n#endif\n", "a condition is no integer expression"},
+        {"#if (1\n#endif\n", "a condition without a closing bracket"},
+        {"#if 1 2\n#endif\n", "a condition goes on"},
+        {"#if 1\n", "a condition without #endif"},
+        {"#endif\n", "a directive"},
+        {"#version 300 es\n", "a directive"},
+        {"#define\n", "#define without a name"},
+        {"#define F(a) a\nint f() { return F(1, 2); }\n", "another number of arguments"},
+        {"#define F(a) a\nint f() { return F(1", "another number of arguments"},
+        {"int f(int a) { const int b = 1; b = 2; return b; }", "only a variable can be assigned"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        char *text = (char *)wrong;
+        last_message[0] = 0;
+        if (btf_shader_wgsl(wrong[i][0], &log_keep, &text) != BTF_ERROR_UNSUPPORTED) {
+            fail_msg("not refused: %s", wrong[i][0]);
+        }
+        assert_null(text);
+        if (!strstr(last_message, wrong[i][1]) || strncmp(last_message, "shader: WGSL: ", 14) != 0) {
+            fail_msg("%s: \"%s\", not \"%s\"", wrong[i][0], last_message, wrong[i][1]);
+        }
+    }
+}
+
+/* Brackets, operators, statements and conditions in one another, 100,000 deep: refused, where a stack would run over. */
+static void depth_is_bounded(void **state) {
+    (void)state;
+    enum { DEEP = 100000 };
+    static const char *const parts[][3] = {
+        {"int f(int a) { return ", "(", ""},
+        {"int f(int a) { return ", "-", ""},
+        {"int f(int a) { return ", "a = ", ""},
+        {"int f(int a) { return ", "a < 1 ? ", ""},
+        {"int f(int a) { ", "{", ""},
+        {"int f(int a) { ", "if (a > 0) ", ""},
+        {"int f(int a) { return ", "a[", ""},
+        {"int f(int a) { return ", "f(", ""},
+        {"#if ", "(", "\n"},
+        {"#if ", "!", "\n"},
+        {"int f(int a) { return ", "int(", ""},
+        {"int f(int a) { ", "if (a > 0) ; else ", ""},
+    };
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
+        const size_t length = strlen(parts[i][1]), head = strlen(parts[i][0]);
+        char *glsl = malloc(head + DEEP * length + 10), *text = NULL;
+        assert_non_null(glsl);
+        strcpy(glsl, parts[i][0]);
+        for (size_t d = 0; d < DEEP; ++d) {
+            memcpy(glsl + head + d * length, parts[i][1], length);
+        }
+        strcpy(glsl + head + DEEP * length, parts[i][2]);
+        if (btf_shader_wgsl(glsl, &log_keep, &text) != BTF_ERROR_UNSUPPORTED) {
+            fail_msg("not refused: %s, then %s again and again", parts[i][0], parts[i][1]);
+        }
+        free(glsl);
+    }
+}
+
+/* The self-test's own text; one line of it is looked at here, and browsers run it. */
+static void the_self_test_is_translated(void **state) {
+    (void)state;
+    char *text = NULL;
+    assert_int_equal(btf_shader_wgsl(btf_shader_self_test(), &log_keep, &text), BTF_OK);
+    assert_non_null(strstr(text, "fn btf_self_test(zero: u32) -> u32 {"));
+    assert_non_null(strstr(text, "@group(0) @binding(23) var<uniform> btf_zero: u32;"));
+    btf_free(text);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(constructs_are_translated),
+        cmocka_unit_test(other_glsl_is_refused),
+        cmocka_unit_test(depth_is_bounded),
+        cmocka_unit_test(the_self_test_is_translated),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
