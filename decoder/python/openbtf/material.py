@@ -440,10 +440,11 @@ class Material:
         of the shader that calls its btf_evaluate(uv, l, v).
 
         `effects`, `components`, `interpolation` and `filter`: as in `evaluate`. `math`: "exact", the same bits on every
-        device, or "fast". `bindings`: "none", "gl" (layout(binding = n)) or "vulkan" (with set, too); a texture has
-        `first_binding` and its number in `textures`' order of FORMAT.md. `prefix`: of all names. `picks`: "none", or "view",
-        "light", "all" for a stochastic decode. `have_precise`: `precise` is enabled by an extension. `fold`: "none", or the
-        fold that was made (openbtf/fold.h), "light", "both", "neighbours".
+        device, or "fast". `bindings`: how samplers are declared, "none", "gl" (layout(binding = n)) or "vulkan" (with
+        `descriptor_set`, too); the binding of a texture is `first_binding` plus its number, the btf_texture_id of
+        openbtf/material.h. `prefix`: of all names. `picks`: "none", or "view", "light", "all" for a stochastic decode.
+        `have_precise`: True where an extension of yours enables `precise`. `fold`: "none", or the fold that was made
+        (openbtf/fold.h), "light", "both", "neighbours".
 
         >>> import openbtf, os
         >>> m = openbtf.open(os.environ["OPENBTF_SAMPLE"])
@@ -455,8 +456,8 @@ class Material:
 
     def wgsl(self, effects=None, components=None, interpolation="linear", filter="texel", math="exact", first_binding=0,
              descriptor_set=0, prefix="btf", picks="none", fold="none"):
-        """The same in WGSL, the language of WebGPU: textures are in group `descriptor_set`, from `first_binding` on, and with exact
-        math a buffer of zeros, as openbtf/shader.h says. `btf-shader` of the command line writes more languages.
+        """The same in WGSL, the language of WebGPU: textures are in group `descriptor_set`, from `first_binding` on, and
+        with exact math a buffer of zeros, as openbtf/shader.h says. The tool btf-shader writes more languages.
 
         >>> import openbtf, os
         >>> m = openbtf.open(os.environ["OPENBTF_SAMPLE"])

@@ -4,8 +4,8 @@
     metal.py FOLDER OUT.cc     of the folder that `btf-shader --language msl` wrote
 
 No Metal compiler runs on Linux. Its language is C++ with vectors, address spaces and textures; metal/metal_stdlib has as much
-of these as the decoder uses. What this shows is that the text means what the decoder means; what a Metal compiler makes of it
-is not seen here.
+of these as the decoder uses. A run shows that the text says what the decoder does; how a Metal compiler takes it is not seen
+here.
 
 SPDX-License-Identifier: MIT
 """
