@@ -3,7 +3,8 @@
  *     run_shader DEVICE FOLDER FILE.btf.exr [--code CODE] [--theta T] [--count N]
  *
  * DEVICE is one of btf-conform's, vulkan or metal; CODE the compute shader where the folder holds no SPIR-V, or for metal the
- * library that a C++ compiler made of metal.py's text; T the greatest theta of views, for what a plan left. The exit code is 7 when a bit of a result or a byte of a texture differs.
+ * library that a C++ compiler made of metal.py's text; T the greatest theta of views, for what a plan left. The exit code
+ * is 7 when a bit of a result or a byte of a texture differs.
  *
  * SPDX-License-Identifier: MIT
  */
