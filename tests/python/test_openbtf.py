@@ -144,7 +144,7 @@ class Materials(unittest.TestCase):
 
     def test_wgsl(self):
         m = openbtf.open(GOLDEN[-1])
-        text = m.wgsl(filter="bilinear", prefix="cloth", group=2, first_binding=30)
+        text = m.wgsl(filter="bilinear", prefix="cloth", descriptor_set=2, first_binding=30)
         self.assertIn("fn cloth_evaluate(uv: vec2f, l: vec3f, v: vec3f) -> vec3f {", text)
         self.assertIn("@group(2) @binding(39) var cloth_view_table: texture_2d<u32>;", text)
         self.assertIn("@group(2) @binding(53) var<uniform> cloth_zero: u32;", text)

@@ -439,39 +439,41 @@ class Material:
         of the shader that calls its btf_evaluate(uv, l, v).
 
         `effects`, `components`, `interpolation` and `filter`: as in `evaluate`. `math`: "exact", the same bits on every
-        device, or "fast". `bindings`: "none", "gl" (layout(binding = n)) or "vulkan" (with set, too); a texture has
-        `first_binding` and its number in `textures`' order of FORMAT.md. `prefix`: of all names. `picks`: "none", or "view",
-        "light", "all" for a stochastic decode. `have_precise`: `precise` is enabled by an extension. `fold`: "none", or the
-        fold that was made (openbtf/fold.h), "light", "both", "neighbours".
+        device, or "fast". `bindings`: how samplers are declared, "none", "gl" (layout(binding = n)) or "vulkan" (with
+        `descriptor_set`, too); the binding of a texture is `first_binding` plus its number, the btf_texture_id of
+        openbtf/material.h. `prefix`: of all names. `picks`: "none", or "view", "light", "all" for a stochastic decode.
+        `have_precise`: True where an extension of yours enables `precise`. `fold`: "none", or the fold that was made
+        (openbtf/fold.h), "light", "both", "neighbours".
 
         >>> import openbtf, os
         >>> m = openbtf.open(os.environ["OPENBTF_SAMPLE"])
         >>> "vec3 cloth_evaluate(vec2 uv, vec3 l, vec3 v)" in m.glsl(prefix="cloth")
         True
         """
-        return self._shader(0, effects, components, interpolation, filter, math, bindings, first_binding, descriptor_set,
-                            prefix, have_precise, picks, fold)
+        return self._source(effects, components, interpolation, filter, math, int(have_precise),
+                            _choice(_BINDINGS, bindings, "bindings"), first_binding, descriptor_set, prefix, picks, fold, language=0)
 
-    def wgsl(self, effects=None, components=None, interpolation="linear", filter="texel", math="exact", group=0,
-             first_binding=0, prefix="btf", picks="none", fold="none"):
-        """The same in WGSL, the language of WebGPU: textures are bound in `group`, from `first_binding` on, and with exact
-        math a buffer of zeros, as openbtf/shader.h says. `btf-shader` of the command line writes more languages.
+    def wgsl(self, effects=None, components=None, interpolation="linear", filter="texel", math="exact", first_binding=0,
+             descriptor_set=0, prefix="btf", picks="none", fold="none"):
+        """The same in WGSL, the language of WebGPU: textures are in group `descriptor_set`, from `first_binding` on, and
+        with exact math a buffer of zeros, as openbtf/shader.h says. The tool btf-shader writes more languages.
 
         >>> import openbtf, os
         >>> m = openbtf.open(os.environ["OPENBTF_SAMPLE"])
         >>> "fn btf_evaluate(uv: vec2f, l: vec3f, v: vec3f) -> vec3f" in m.wgsl()
         True
         """
-        return self._shader(1, effects, components, interpolation, filter, math, "none", first_binding, group, prefix,
-                            False, picks, fold)
+        return self._source(effects, components, interpolation, filter, math, 0, 0, first_binding, descriptor_set, prefix, picks,
+                            fold, language=1)
 
-    def _shader(self, language, effects, components, interpolation, filter, math, bindings, first_binding, descriptor_set,
-                prefix, have_precise, picks, fold):
+    def _source(self, effects, components, interpolation, filter, math, have_precise, bindings, first_binding, descriptor_set,
+                prefix, picks, fold, language):
+        """The text of btf_shader_source, in a btf_language."""
         options = c.ShaderOptions(
             sizeof(c.ShaderOptions), _leave_out(effects), _components(components),
             _choice(_INTERPOLATIONS, interpolation, "interpolation"), _choice(_FILTERS, filter, "filter"),
-            _choice(_MATHS, math, "math"), int(have_precise), _choice(_BINDINGS, bindings, "bindings"), first_binding,
-            descriptor_set, prefix.encode())
+            _choice(_MATHS, math, "math"), have_precise, bindings, first_binding, descriptor_set,
+            prefix.encode())
         options.picks, options.fold = _choice(_PICKS, picks, "picks"), _choice(_FOLDS, fold, "fold")
         options.language = language
         messages, text = c.Messages(), c_void_p()

@@ -1,15 +1,17 @@
 /* A folder of btf-shader on a device, against the reference decoder of the material that it was written from, bit for bit.
  *
- *     run_shader DEVICE FOLDER FILE.btf.exr [--spirv CODE] [--theta T] [--count N]
+ *     run_shader DEVICE FOLDER FILE.btf.exr [--code CODE] [--theta T] [--count N]
  *
- * DEVICE is one of btf-conform's or vulkan; CODE the compute shader where the folder holds no SPIR-V; T the greatest
- * theta of views, for what a plan left. The exit code is 7 when a bit of a result or a byte of a texture differs.
+ * DEVICE is one of btf-conform's, vulkan or metal; CODE the compute shader where the folder holds no SPIR-V, or for metal the
+ * library that a C++ compiler made of metal.py's text; T the greatest theta of views, for what a plan left. The exit code
+ * is 7 when a bit of a result or a byte of a texture differs.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "decoder/toolkit/reference_view.h"
 #include "exported.h"
 #include "run_gl.h"
+#include "run_metal.h"
 #include "run_vulkan.h"
 #include <math.h>
 #include <openbtf/shader.h>
@@ -80,32 +82,35 @@ static int compare(const exported *e, const btf_material *material, const uint32
     return different ? 7 : 0;
 }
 
-static void execute(const char *device, const exported *e, const char *spirv, uint32_t *records,
+static void execute(const char *device, const exported *e, const char *path, uint32_t *records,
                     size_t count) {
-    size_t size = e->text_size;
-    unsigned char *code = spirv ? load_file(spirv, &size) : NULL;
-    if (strcmp(device, "vulkan") != 0) {
+    if (!strcmp(device, "metal")) {
+        run_metal(e, path, records, count);
+    } else if (strcmp(device, "vulkan") != 0) {
         run_gl(device, e, records, count);
-    } else if (spirv && !code) {
-        exit(2);
     } else {
-        run_vulkan(e, (const uint32_t *)(const void *)(spirv ? code : e->text), size, records, count);
+        size_t size = e->text_size;
+        unsigned char *code = path ? load_file(path, &size) : NULL;
+        if (path && !code) {
+            exit(2);
+        }
+        run_vulkan(e, (const uint32_t *)(const void *)(path ? code : e->text), size, records, count);
+        free(code);
     }
-    free(code);
 }
 
 int main(int argc, char **argv) {
-    const char *spirv = NULL;
+    const char *code = NULL;
     double theta = 90;
     size_t count = 16384;
     for (int i = 4; i + 1 < argc; i += 2) {
-        spirv = !strcmp(argv[i], "--spirv") ? argv[i + 1] : spirv;
+        code = !strcmp(argv[i], "--code") ? argv[i + 1] : code;
         theta = !strcmp(argv[i], "--theta") ? atof(argv[i + 1]) : theta;
         count = !strcmp(argv[i], "--count") ? (size_t)atoi(argv[i + 1]) : count;
     }
     if (argc < 4 || count > MOST || count % 64 != 0) {
         fprintf(stderr,
-                "usage: run_shader DEVICE FOLDER FILE.btf.exr [--spirv CODE] [--theta T] [--count N]\n");
+                "usage: run_shader DEVICE FOLDER FILE.btf.exr [--code CODE] [--theta T] [--count N]\n");
         return 1;
     }
     exported e;
@@ -123,7 +128,7 @@ int main(int argc, char **argv) {
     if (!result) {
         make_records(&e, theta, count, before);
         memcpy(after, before, count * RECORD * sizeof *after);
-        execute(argv[1], &e, spirv, after, count);
+        execute(argv[1], &e, code, after, count);
         result = compare(&e, material, before, after, count);
         /* A plan's textures are its own: what they decode to shows whether they are right. */
         if (theta >= 90 && exported_differences(&e, material)) {
