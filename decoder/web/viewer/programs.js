@@ -86,18 +86,8 @@ export class Programs {
         return program;
     }
 
-    /** Forgets a program, one that failed say. */
-    drop(key) {
-        this.#kept.get(key)?.destroy();
-        this.#kept.delete(key);
-    }
-
     clear() {
         this.#kept.forEach((program) => program.destroy());
         this.#kept.clear();
-    }
-
-    get size() {
-        return this.#kept.size;
     }
 }

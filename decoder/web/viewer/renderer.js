@@ -82,11 +82,6 @@ export class Renderer {
         return this.#textures?.bytes ?? 0;
     }
 
-    /** Of programs of this material, for tests of memory. */
-    get programCount() {
-        return this.#programs.size;
-    }
-
     /**
      * Shows another material, which stays open and is the caller's. Where it does not fit, as OpenBTFError says, the former stays.
      * @returns the material that is drawn: the given one, or the same in layout tight where that alone fits, to be closed by the caller
@@ -132,10 +127,6 @@ export class Renderer {
     setOwnEnvironment(image) {
         this.#forgetEnvironment('own');
         this.#addEnvironment('own', shrunk(image));
-    }
-
-    hasEnvironment(name) {
-        return name !== 'own' || this.#environments.has('own');
     }
 
     #forgetEnvironment(name) {
@@ -185,13 +176,9 @@ export class Renderer {
         return lights.slice(0, MOST_LIGHTS);
     }
 
-    #key(state, out) {
-        return JSON.stringify(shaderOptions(state, out));
-    }
-
     #program(state, out) {
         const options = shaderOptions(state, out);
-        return this.#programs.get(this.#key(state, out), () => [MODEL_VERTEX, modelFragment(this.#material.source(options), state.picks)]);
+        return this.#programs.get(JSON.stringify(options), () => [MODEL_VERTEX, modelFragment(this.#material.source(options), state.picks)]);
     }
 
     /** Begins to compile what a state needs. @returns whether all is there. Throws where it cannot be. */
@@ -286,9 +273,9 @@ export class Renderer {
     }
 
     /** Shows the mean, or, as a draft, the lower left width x height pixels of the sample, enlarged. */
-    show(state, draft = null, clear = false) {
+    show(state, draft = null) {
         const gl = this.#gl, { width, height, mean, sample } = this.#targets, environment = this.#environment(state);
-        const backdrop = Boolean(environment) && state.backdrop === 'on' && !clear;
+        const backdrop = Boolean(environment) && state.backdrop === 'on';
         const program = this.#screen('picture', PICTURE_FRAGMENT);
         const view = this.#view ?? camera(state, width, height);
         this.#bind(0, draft ? sample.texture : mean.texture);
@@ -308,7 +295,6 @@ export class Renderer {
         gl.uniform2fv(program.at('tangents'), view.tangents);
         gl.uniform1i(program.at('draft'), draft ? 1 : 0);
         gl.uniform1i(program.at('backdrop'), backdrop ? 1 : 0);
-        gl.uniform1i(program.at('clear'), clear ? 1 : 0);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
 

@@ -84,7 +84,7 @@ uniform vec2 size, used;
 uniform float exposure, strength, turn;
 uniform vec3 right, up, back;
 uniform vec2 tangents;
-uniform bool draft, backdrop, clear;
+uniform bool draft, backdrop;
 out vec4 colour;
 vec3 coded(vec3 c) {
     c = clamp(c, 0.0, 1.0);
@@ -104,8 +104,7 @@ void main() {
         vec3 ground = mix(vec3(0.125, 0.125, 0.14), vec3(0.045, 0.045, 0.05), smoothstep(0.1, 0.85, length(off)));
         // the ground's steps are finer than a display's: a little noise keeps them from showing
         ground += (fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5) / 255.0;
-        vec3 model = coded(exposure * c.rgb / max(c.a, 1e-6));
-        colour = clear ? vec4(model * c.a, c.a) : vec4(mix(ground, model, c.a), 1.0);
+        colour = vec4(mix(ground, coded(exposure * c.rgb / max(c.a, 1e-6)), c.a), 1.0);
     }
 }
 `;

@@ -7,6 +7,7 @@ import { clamp } from './camera.js';
 
 const DRAFT_MS = 40; // what a draft may take: 25 a second
 const BAND_MS = 30; // what a band may take, so that a pointer that moves does not wait long
+const MOST_BANDS = 16; // of a sample: each draws all vertices, and waits for the device
 const SETTLE_MS = 150; // without a change after which drafts give way to the picture
 const SMALLEST = 0.12; // a draft's side, of the picture's
 /** Samples of a picture at most: of neighbours picked at random or an environment's lights more are needed than of edges alone. */
@@ -92,15 +93,13 @@ export class Stage {
     }
 
     /** Shows the picture in full, once it has a sample; then calls `use` in the same task, in which the canvas can be read. */
-    async withPicture(use, clear = false) {
+    async withPicture(use) {
         if (!this.#sample || this.#changed) {
             this.#request();
             await new Promise((resolve) => { this.#waiting.push(resolve); });
         }
-        this.#renderer.show(this.#state, null, clear);
-        const result = use();
         this.#renderer.show(this.#state);
-        return result;
+        return use();
     }
 
     /** The picture's size in pixels: the canvas as it lies in the page, at most two pixels a CSS pixel. */
@@ -188,7 +187,7 @@ export class Stage {
             this.#say({ moving: false });
             return;
         }
-        const rows = this.#pixelMs ? clamp(Math.floor(BAND_MS / (this.#pixelMs * width)), 8, height) : Math.ceil(height / 8);
+        const rows = this.#pixelMs ? clamp(Math.floor(BAND_MS / (this.#pixelMs * width)), Math.ceil(height / MOST_BANDS), height) : Math.ceil(height / 8);
         const to = Math.min(height, this.#row + rows);
         const begun = performance.now();
         this.#renderer.drawSample(this.#state, width, height, this.#sample, this.#row, to);
