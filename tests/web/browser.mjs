@@ -35,9 +35,11 @@ const CONSOLE = {
     firefox: /^(console\.(?:error|assert)|JavaScript error): (.*)$/gm,
 };
 
-/* WebGPU by software: Chromium's on SwiftShader, Firefox's on lavapipe. */
-const WEBGPU = {
+/** WebGPU by software: Chromium's on SwiftShader, Firefox's on lavapipe. */
+export const WEBGPU = {
     chromium: ['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader'],
+    // a canvas shows WebGPU only where the page itself is drawn by Vulkan
+    chromiumCanvas: ['--enable-features=Vulkan', '--use-vulkan=swiftshader', '--ignore-gpu-blocklist'],
     firefox: { 'dom.webgpu.enabled': true, 'gfx.webgpu.ignore-blocklist': true },
 };
 const LAVAPIPE = '/usr/share/vulkan/icd.d/lvp_icd.x86_64.json';

@@ -10,7 +10,6 @@ import { Textures, fits, selfTest, upload } from '/package/webgpu.js';
 import { make, pack } from '/page/arguments.js';
 import { WANTED, changed, differing, optionsOf, plane } from '/page/compare.js';
 import { compile, device, evaluate } from './compute.js';
-import { runExample } from './example.js';
 import { draw } from './fragment.js';
 
 /* Of materials against the reference: 3 * 168,000 values are more than 500,000; the short form has an eighth. */
@@ -261,7 +260,6 @@ async function run() {
     await checkUpload(gpu, 'v1-tight.btf.exr');
     await compareProtection(gpu, 'v1-tight.btf.exr');
     await compareDrawn(gpu, 'v2-relief.btf.exr');
-    await runExample(report, 'v1-tight.btf.exr', 'expected.txt');
     if (job.texts) {
         await compileTexts(gpu);
     }

@@ -50,8 +50,11 @@ async function compare(pixels, name, x, y) {
     return most <= 1 && colours > 10 ? '' : `${most} of 255 apart, ${colours} colours`;
 }
 
-/** Reports by `report(name, wrong)`. */
-export async function runExample(report, name, damaged) {
+const post = (path, value) => fetch(path, { method: 'POST', body: JSON.stringify(value) });
+const report = (name, wrong = '') => post('/case', { name, wrong });
+
+async function run() {
+    const { material: name, damaged } = await (await fetch('/job')).json();
     const shown = await show(name);
     await report('example: a material is shown', /^\d+ x \d+ texels, \d+ bytes$/.test(shown.said) ? '' : shown.said);
     for (const [x, y] of [[300, 200], [120, 330]]) {
@@ -60,3 +63,5 @@ export async function runExample(report, name, damaged) {
     const refused = await show(damaged);
     await report('example: a file that is no material is refused in words', /not an OpenEXR file/.test(refused.said) ? '' : refused.said);
 }
+
+run().then(() => post('/done', ''), (error) => post('/done', `${error.message}\n${error.stack}`));
