@@ -2,7 +2,8 @@
 """Puts the pictures of encoder/bake/SCENES.md together, from linear OpenEXR images (Blender's and btf-render's).
 
     bake.py row OUT.png SURFACE.exr DATA MODEL.exr        scene, some images of the data set, material
-    bake.py compare OUT.png TRUTH.exr MATERIAL.exr        both, and four times their difference (sRGB); the errors as JSON
+    bake.py compare OUT.png TRUTH.exr MATERIAL.exr        both, and four times their difference (sRGB, mean of
+                                                          the channels); the errors as JSON
     bake.py seconds FILE COMMAND...                       runs it and adds the core seconds that it took to those in FILE
     bake.py table NAME...                                 the table of what bake.sh left in this folder, as Markdown
 
@@ -118,8 +119,8 @@ def compare(out, truth, material):
     middle, rim = inside & (radius < np.sqrt(0.5)), inside & (radius > 0.9)
     print(json.dumps({'linear': decibels(linear[inside]), 'srgb': decibels(code[inside]), 'middle': decibels(code[middle]),
                       'rim': decibels(code[rim]), 'mean_truth': round(mean[0], 4), 'mean_material': round(mean[1], 4)}))
-    error = np.clip(255 * 4 * np.abs(code) + 0.5, 0, 255).astype(np.uint8)
-    write_png(out, beside([bake_exr.srgb(a), bake_exr.srgb(b), error]))
+    error = np.clip(255 * 4 * np.abs(code).mean(axis=2, keepdims=True) + 0.5, 0, 255).astype(np.uint8)
+    write_png(out, beside([bake_exr.srgb(a), bake_exr.srgb(b), error.repeat(3, axis=2)]))
 
 
 def seconds(path, command):
