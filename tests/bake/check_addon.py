@@ -31,7 +31,8 @@ def report(name, right, complaint=''):
 def there():
     """What of the add-on Blender knows: the setting of a scene, operators, panels, a line of a menu."""
     menu = [each for each in bpy.types.TOPBAR_MT_file_export._dyn_ui_initialize() if each.__module__.startswith(MODULE)]
-    classes = [name for name in ('MATERIAL_PT_btf_bake', 'MATERIAL_PT_btf_bake_more', 'BTF_OT_bake', 'BTF_OT_export', 'BTF_OT_preview')
+    classes = [name for name in ('MATERIAL_PT_btf_bake', 'MATERIAL_PT_btf_bake_more', 'BTF_OT_bake', 'BTF_OT_export',
+                                 'BTF_OT_preview')
                if getattr(bpy.types, name, None) is not None]
     return hasattr(bpy.types.Scene, 'btf_bake'), len(classes), len(menu)
 

@@ -40,7 +40,8 @@ storage  tests/bench/README.md#between storage.png
 growth   growth-texels.png growth-directions.png
 plan     tests/bench/README.md#plan
 stochastic stochastic.png
-pathtrace pathtrace.png'
+pathtrace pathtrace.png
+bake     encoder/bake/SCENES.md#scenes bake-knit.png bake-gravel.png bake-scales.png bake-knit-sphere.png bake-gravel-sphere.png bake-scales-sphere.png'
 
 if [ "${1:-}" = --list ]; then
     echo "$writes"
@@ -263,6 +264,15 @@ part_pathtrace() {
     needs BRICKS64.zip || return 0
     pathtrace "$(encoded BRICKS64-fast "$shared/BRICKS64.zip" --preset fast)" "$pictures/pathtrace.png" compare 1
 }
+part_bake() { # BTF_BAKE_OPTIONS as of bake.sh
+    if ! command -v blender >/dev/null; then
+        echo "bake: left as it is, there is no blender"
+        passed_over=1
+        return 0
+    fi
+    "$pictures/bake.sh" "$build" "$work/bake-$(commit)" >"$work/bake.md"
+    "$root/tests/bench/marks.py" "$root/encoder/bake/SCENES.md" scenes <"$work/bake.md"
+}
 
 targets_of() { # a part: its programs
     case $1 in
@@ -276,6 +286,7 @@ targets_of() { # a part: its programs
     relief) echo encoder/btf-{encode,compare} tests/sample/btf-sample ;;
     between) echo encoder/btf-{encode,compare} decoder/tools/btf-info tests/sample/btf-sample ;;
     plan) echo encoder/btf-encode tests/bench/btf-bench ;;
+    bake) echo encoder/btf-encode decoder/tools/render/btf-render ;;
     bench | storage | growth | stochastic) echo tests/bench/btf-bench ;;
     *) echo encoder/btf-encode decoder/tools/{btf-decode,render/btf-render} tests/sample/btf-sample ;;
     esac

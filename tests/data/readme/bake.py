@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """Puts the pictures of encoder/bake/SCENES.md together, from linear OpenEXR images (Blender's and btf-render's).
 
-    bake.py row OUT.png SURFACE.exr DATA MODEL.exr        scene, some images of the data set, material
-    bake.py compare OUT.png TRUTH.exr MATERIAL.exr        both, and four times their difference (sRGB); the errors as JSON
+    bake.py row OUT.png SURFACE.exr DATA MODEL.exr        scene, some images of the data set, material: the
+                                                          middle of the first and the last
+    bake.py compare OUT.png TRUTH.exr MATERIAL.exr        both, and four times their difference (sRGB, mean of
+                                                          the channels); the errors as JSON
     bake.py seconds FILE COMMAND...                       runs it and adds the core seconds that it took to those in FILE
     bake.py table NAME...                                 the table of what bake.sh left in this folder, as Markdown
 
-All pictures have one height. compare looks at the disc of the sphere, radius 0.9 of half the picture less one pixel, where
+compare looks at the disc of the sphere, radius 0.9 of half the picture less one pixel, where
 no pixel has background in it; values are clipped to 0..1.
 
 SPDX-License-Identifier: MIT
@@ -28,8 +30,9 @@ import bake_exr  # noqa: E402
 
 GAP = 4
 # Rows and columns of the images shown: views and lights, theta and phi; the nearest of the data set.
-VIEWS = [(0, 0), (30, 270), (60, 270), (60, 90)]
-LIGHTS = [(0, 0), (45, 120), (60, 0), (60, 260)]
+VIEWS = [(0, 0), (60, 270), (60, 90)]
+LIGHTS = [(0, 0), (45, 120), (60, 260)]
+ROW = 194  # height of a row of pictures: three images of 62 texels, and gaps
 
 
 def write_png(path, codes):
@@ -66,8 +69,8 @@ def vector(theta, phi):
     return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
 
 
-def montage(folder, side):
-    """Some images of a data set, as many rows and columns as fit into `side` pixels, enlarged by a whole number."""
+def montage(folder):
+    """ROW x ROW pixels of images of a data set, each cut to what fits."""
     images = []
     for where, _, names in os.walk(folder):
         for name in names:
@@ -78,20 +81,21 @@ def montage(folder, side):
         sys.exit(f'bake.py: {folder}: no images')
     lights = np.array([vector(each[0], each[1]) for each in images])
     views = np.array([vector(each[2], each[3]) for each in images])
-    rows = []
-    for view in VIEWS:
-        row = []
-        for light in LIGHTS:
+    step = (ROW + GAP) // len(VIEWS)
+    frame = np.full((ROW, ROW, 3), 255, np.uint8)
+    for i, view in enumerate(VIEWS):
+        for j, light in enumerate(LIGHTS):
             nearest = (views @ vector(*view) + lights @ vector(*light)).argmax()
-            one = bake_exr.srgb(bake_exr.read_rgb(images[nearest][4]))
-            scale = max(1, side // len(VIEWS) // one.shape[0])
-            row.append(one.repeat(scale, axis=0).repeat(scale, axis=1))
-        rows.append(np.concatenate(row, axis=1))
-    whole = np.concatenate(rows)
-    frame = np.full((side, max(side, whole.shape[1]), 3), 255, np.uint8)
-    top, left = (side - whole.shape[0]) // 2, (frame.shape[1] - whole.shape[1]) // 2
-    frame[top:top + whole.shape[0], left:left + whole.shape[1]] = whole
+            one = bake_exr.srgb(bake_exr.read_rgb(images[nearest][4]))[:step - GAP, :step - GAP]
+            top, left = step * i + (step - GAP - one.shape[0]) // 2, step * j + (step - GAP - one.shape[1]) // 2
+            frame[top:top + one.shape[0], left:left + one.shape[1]] = one
     return frame
+
+
+def middle(codes):
+    """The middle ROW x ROW pixels."""
+    top, left = (codes.shape[0] - ROW) // 2, (codes.shape[1] - ROW) // 2
+    return codes[top:top + ROW, left:left + ROW]
 
 
 def decibels(error):
@@ -118,8 +122,8 @@ def compare(out, truth, material):
     middle, rim = inside & (radius < np.sqrt(0.5)), inside & (radius > 0.9)
     print(json.dumps({'linear': decibels(linear[inside]), 'srgb': decibels(code[inside]), 'middle': decibels(code[middle]),
                       'rim': decibels(code[rim]), 'mean_truth': round(mean[0], 4), 'mean_material': round(mean[1], 4)}))
-    error = np.clip(255 * 4 * np.abs(code) + 0.5, 0, 255).astype(np.uint8)
-    write_png(out, beside([bake_exr.srgb(a), bake_exr.srgb(b), error]))
+    error = np.clip(255 * 4 * np.abs(code).mean(axis=2, keepdims=True) + 0.5, 0, 255).astype(np.uint8)
+    write_png(out, beside([bake_exr.srgb(a), bake_exr.srgb(b), error.repeat(3, axis=2)]))
 
 
 def seconds(path, command):
@@ -150,7 +154,8 @@ def table(names):
         psnr = report['psnr']['full']
         print(f'| {name} | {int(triangles):,} | {float(depth):.2f} | {made["texels"][0]} x {made["texels"][1]}, {made["samples"]} | '
               f'{len(made["images"]):,} ({views} views) | {float(text(name + "-bake.seconds")):,.0f} | '
-              f'{report["core_seconds"]["total"]:.0f} | {report["bytes"]["gpu"]:,} | {psnr["linear"]:.2f} / {psnr["srgb"]:.2f} | '
+              f'{report["core_seconds"]["total"]:.0f} | {report["bytes"]["gpu"]:,} | '
+              f'{psnr["linear"]:.2f} / {psnr["srgb"]:.2f} | '
               f'{sphere["srgb"]:.1f}, {sphere["middle"]:.1f}, {sphere["rim"]:.1f} |')
 
 
@@ -165,8 +170,8 @@ def main():
         compare(out, *rest)
     else:
         surface, data, model = rest
-        first = bake_exr.srgb(bake_exr.read_rgb(surface))
-        write_png(out, beside([first, montage(data, first.shape[0]), bake_exr.srgb(bake_exr.read_rgb(model))]))
+        first, last = (middle(bake_exr.srgb(bake_exr.read_rgb(path))) for path in (surface, model))
+        write_png(out, beside([first, montage(data), last]))
 
 
 main()

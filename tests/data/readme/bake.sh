@@ -36,7 +36,7 @@ seconds() { # NAME COMMAND...: runs it and adds its core seconds to NAME.seconds
 }
 
 # Scene, light, and how its model is shown: mesh, repeats, view, zoom.
-for each in knit:40,120:drape:2.5:20,-60:0.92 gravel:40,120:torus:4:50,-90:1.3 scales:50,-65:torus:4:50,-90:1.3; do
+for each in knit:40,120:drape:2.5:20,-60:0.92 gravel:40,120:torus:4:0,0:0.97 scales:50,-65:torus:4:0,0:0.97; do
     IFS=: read -r name light mesh times view zoom <<<"$each"
     echo "$name" >&2
     [ -f "$name.blend" ] || {
@@ -52,7 +52,7 @@ for each in knit:40,120:drape:2.5:20,-60:0.92 gravel:40,120:torus:4:50,-90:1.3 s
     [ -f "$name.btf.exr" ] || btf-encode "$name" -o "$name.btf.exr" --report "$name.json" -q
     [ -f "$name-surface.exr" ] || cycles "$name.blend" surface "$name-surface.exr"
     btf-render "$name.btf.exr" -o "$name-model.exr" --mesh "$mesh" --repeat "$times" --view "$view" --zoom "$zoom" \
-        --size $size --samples 3 --light "$light" --cast-shadows --filter steep --exposure 0.4 --background 0.8 --quiet
+        --size 194 --samples 3 --light "$light" --cast-shadows --filter steep --exposure 0.4 --background 0.8 --quiet
     "$python" "$here/bake.py" row "$here/bake-$name.png" "$name-surface.exr" "$name" "$name-model.exr"
 
     [ -f "$name-truth.exr" ] || cycles "$name.blend" sphere "$name-truth.exr" --repeat $repeat
