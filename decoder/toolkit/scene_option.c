@@ -208,6 +208,12 @@ static void print_left_out(FILE *out, const char *text, const btf_material *mate
     }
 }
 
+/* Of dB that are lost where samples are left out, what the plan takes to be lost between them: half of the growth of the
+ * error (openbtf/plan.h). */
+static double half_growth(double decibels) {
+    return 10 * log10(1 + (pow(10, decibels / 10) - 1) / 2);
+}
+
 /* How a fixed light is folded, or why not. */
 static void print_fold(FILE *out, const char *indent, const btf_material *material, const btf_plan *plan) {
     btf_material_info info = {.struct_size = sizeof info};
@@ -235,7 +241,7 @@ static void print_fold(FILE *out, const char *indent, const btf_material *materi
         fprintf(out,
                 "with gloss lights depend on the view; without it about %.2f/%.2f dB are lost between the "
                 "samples\n",
-                gain[0], gain[1]);
+                half_growth(gain[0]), half_growth(gain[1]));
     } else {
         fprintf(out,
                 "with gloss lights depend on the view, and the file does not say what gloss is worth\n");

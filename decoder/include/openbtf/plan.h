@@ -106,7 +106,7 @@ typedef struct btf_plan {
  * compares with interpolated samples, and cannot tell what they are worth between. Where the light is fixed and
  * the view is not, gloss keeps a plan from being folded: there, at level 0, it is left out where that and
  * what else the plan leaves out stay within the tolerance, the scene makes the fold, and the plan is the better for it. How much the error
- * grows without it is taken from btf_between_errors (3 and 11). A plan that can be folded counts by its folded
+ * grows without it is half of what btf_between_errors say (3 and 11), which is at double the gap. A plan that can be folded counts by its folded
  * cost; the bytes of the fold are not weighed. No memory is allocated. Errors: BTF_ERROR_USAGE (a range that holds no direction, a negative or
  * infinite number). */
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene, float tolerance,
