@@ -43,7 +43,8 @@ complete() {
     if grep -n '^ *#include' "$prefix"/share/openbtf/*.glsl; then
         wrong=1
     fi
-    for name in $(grep -ohE '\b[a-z_]+\.glsl\b' "$prefix"/share/openbtf/* "$prefix"/include/openbtf/*.h); do
+    # decode.glsl is a file that btf-shader writes.
+    for name in $(grep -ohE '\b[a-z_]+\.glsl\b' "$prefix"/share/openbtf/* "$prefix"/include/openbtf/*.h | grep -vx decode.glsl); do
         [ -f "$prefix/share/openbtf/$name" ] || { echo "$name is named, but not installed" && wrong=1; }
     done
     for name in $(grep -ohE '\bopenbtf/[a-z_]+\.h\b' "$prefix"/share/openbtf/* "$prefix"/include/openbtf/*.h); do
