@@ -239,10 +239,12 @@ export class Material {
      */
     textures(options?: ShaderOptions): Texture[];
     /**
-     * The GLSL that decodes the material: a library without #version, main, and names but those with the prefix. It goes
+     * The text that decodes the material, in GLSL a library without #version, main, and names but those with the prefix. It goes
      * behind `#version 300 es` and in front of everything else of yours. Then call
      * `vec3 btf_evaluate(vec2 uv, vec3 l, vec3 v)` or `vec3 btf_evaluate_level(vec2 uv, vec3 l, vec3 v, int level)`: radiance,
      * cosine included, for an irradiance of pi at normal incidence. Leave the uniform `btf_zero` unset: it must be 0.
+     * With `language: 'wgsl'` it is the same in WGSL, `fn btf_evaluate(uv: vec2f, l: vec3f, v: vec3f) -> vec3f`, for anywhere in
+     * a module; openbtf/webgpu gives the bind group that it reads.
      */
     source(options?: ShaderOptions): string;
     /**
