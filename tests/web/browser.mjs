@@ -6,7 +6,7 @@
  */
 import { spawn, spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
-import { mkdtempSync, rmSync, writeFileSync, readFileSync, existsSync } from 'node:fs';
+import { mkdtempSync, readdirSync, rmSync, writeFileSync, readFileSync, existsSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { tmpdir } from 'node:os';
 import { extname, join, normalize } from 'node:path';
@@ -94,6 +94,22 @@ function consoleErrors(browser, said, expected) {
     return [...wrong.map((line) => `console: ${line}`), ...missing.map((pattern) => `the console does not say ${pattern}`)].join('\n');
 }
 
+/** Core seconds of the processes of a group that live, and of those of their children that have ended. */
+function coreSeconds(group) {
+    let ticks = 0;
+    for (const pid of readdirSync('/proc').filter((name) => /^\d+$/.test(name))) {
+        try {
+            const fields = readFileSync(`/proc/${pid}/stat`, 'utf-8').replace(/^.*\) /s, '').split(' ');
+            if (Number(fields[2]) === group) { // then user and system time, its own and its children's, in hundredths
+                ticks += [11, 12, 13, 14].reduce((sum, i) => sum + Number(fields[i]), 0);
+            }
+        } catch {
+            // it has just ended
+        }
+    }
+    return ticks / 100;
+}
+
 /* A page that posts nothing for so long hangs: the longest step between two posts takes seconds, on a busy machine a minute. */
 const SILENT_MINUTES = 20;
 
@@ -168,6 +184,7 @@ export async function runPage(browser, page, folders, posts, job, expected = [])
     ['SIGINT', 'SIGTERM', 'SIGHUP'].forEach((signal) => process.on(signal, () => process.exit(1)));
     const result = await Promise.race([done, exited]);
     clearInterval(watchdog);
+    console.log(`core seconds of ${browser}: ${coreSeconds(child.pid).toFixed(0)}`);
     stop();
     await exited;
     server.closeAllConnections?.();

@@ -1,6 +1,6 @@
 /* Conformance: decodes in WebGL2 and compares every bit with test vectors and with the reference decoder in the page.
  *
- * Compiling shaders takes nearly all of the time, so that a program serves every vector whose text is the same.
+ * Compiling shaders takes most of the time: no two vectors have the same text.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,37 +20,8 @@ const VARIANTS = [
     { interpolation: 'linear', filter: 'steep' },
 ];
 
-/** Programs by their text and plane, compiled once. */
-class Programs {
-    #gl;
-    #linked = new Map();
-    asked = 0;
-
-    constructor(gl) {
-        this.#gl = gl;
-    }
-
-    get(source, plane) {
-        const key = `${plane}\n${source}`;
-        this.asked += 1;
-        if (!this.#linked.has(key)) {
-            this.#linked.set(key, program(this.#gl, source, plane));
-        }
-        return this.#linked.get(key);
-    }
-
-    get compiled() {
-        return this.#linked.size;
-    }
-
-    destroy() {
-        this.#linked.forEach((linked) => this.#gl.deleteProgram(linked));
-        this.#linked.clear();
-    }
-}
-
 /** Values of a vector's planes that differ. `change` rewrites the shader text. */
-async function replay(gl, programs, vector, planes, change = (text) => text) {
+async function replay(gl, vector, planes, change = (text) => text) {
     const material = await open(await bytes(`/vectors/${vector.material}`));
     const data = new Uint32Array(await bytes(`/vectors/${vector.data}`));
     const args = pack(plane(data, 0, 2), plane(data, 2, 3), plane(data, 5, 3));
@@ -58,9 +29,10 @@ async function replay(gl, programs, vector, planes, change = (text) => text) {
     for (const name of planes) {
         const options = { ...optionsOf(vector, material.info), picks: name === 'picked' ? 'all' : 'none' };
         const textures = upload(gl, material, options);
-        const linked = programs.get(change(material.source(options)), name);
+        const linked = program(gl, change(material.source(options)), name);
         const got = draw(gl, textures, linked, vector.side, data.length / 14 / vector.side, args, vector.level, vector.number);
         different += differing(got, plane(data, WANTED[name], 3), data.length / 14);
+        gl.deleteProgram(linked);
         textures.destroy();
     }
     material.close();
@@ -69,13 +41,12 @@ async function replay(gl, programs, vector, planes, change = (text) => text) {
 
 /** Every vector's radiance; of a third of them, which have every effect and filter, radiance of picked neighbours too. */
 async function compareVectors(gl, vectors) {
-    const programs = new Programs(gl);
     for (const part of [0, 1, 2]) {
         const list = vectors.filter((_, i) => i % 3 === part);
         const planes = part === 0 ? ['radiance', 'picked'] : ['radiance'];
         const wrong = [];
         for (const [index, vector] of list.entries()) {
-            const different = await replay(gl, programs, vector, planes);
+            const different = await replay(gl, vector, planes);
             if (different) {
                 wrong.push(`${vector.material} (${vector.about}): ${different} values differ`);
             }
@@ -85,8 +56,6 @@ async function compareVectors(gl, vectors) {
         }
         await report(`vectors ${part + 1} of 3: ${list.length} vectors, ${planes.join(' and ')}, 0 bits differ`, wrong.join('\n'));
     }
-    await note(`${programs.compiled} programs compiled for ${programs.asked} planes of vectors`);
-    programs.destroy();
 }
 
 /* Vectors that a control takes where a browser cannot notice it: enough to see that the text still compiles. */
@@ -94,16 +63,14 @@ const UNNOTICED = 2;
 
 /** Text that is wrong must be noticed by some vector: the first that notices ends the control. */
 async function control(gl, name, vectors, change, noticed) {
-    const programs = new Programs(gl);
     let different = 0, count = 0;
     for (const vector of noticed ? vectors : vectors.slice(0, UNNOTICED)) {
-        different += await replay(gl, programs, vector, ['radiance'], change);
+        different += await replay(gl, vector, ['radiance'], change);
         count += 1;
         if (different) {
             break;
         }
     }
-    programs.destroy();
     await report(`control: ${name}${noticed ? ' is noticed' : ''}`, noticed && !different ? 'no value differs, and some must' : '');
     await note(`control ${name}: ${different} values of ${count} vectors differ`);
 }
