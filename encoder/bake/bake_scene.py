@@ -124,9 +124,10 @@ class BakeScene:
     """The scene of one bake. Use as a context manager: what it made is removed at the end."""
 
     def __init__(self, settings):
-        self.settings, self._made = settings, []
+        self.settings, self._made, self._shown = settings, [], None
         self.objects, self.lamps = chosen_objects(settings)
-        source = next((s for s in bpy.data.scenes if any(o.name in s.objects for o in self.objects)), bpy.context.scene)
+        scenes = [bpy.context.scene, *bpy.data.scenes]
+        source = next((s for s in scenes if any(o.name in s.objects for o in self.objects)), bpy.context.scene)
         self.scene = self._new(bpy.data.scenes, 'btf-bake')
         try:
             self._build(source)
@@ -149,11 +150,12 @@ class BakeScene:
         for kind, made in reversed(self._made):
             kind.remove(made)
         self._made = []
+        if self._shown and self._shown[0].frame_current != self._shown[1]:
+            self._shown[0].frame_set(self._shown[1])
 
     def _build(self, source):
         scene, s = self.scene, self.settings
         scene.view_layers[0].name = LAYER
-        scene.frame_set(s.frame if s.frame >= 0 else source.frame_current)
         self.tile = self._new(bpy.data.collections, 'btf-bake tile')
         for each in self.objects:
             self.tile.objects.link(each)
@@ -162,6 +164,12 @@ class BakeScene:
         scene.world = None  # black
 
         scene.view_layers[0].update()
+        # Objects take their places of a frame from the scene that the file shows; it is put back at the end.
+        self._shown = source, source.frame_current
+        frame = s.frame if s.frame >= 0 else source.frame_current
+        if frame != source.frame_current:
+            source.frame_set(frame)
+        scene.frame_set(frame)
         self.bounds = Bounds(scene.view_layers[0].depsgraph)
         if self.bounds.empty():
             raise BakeError(BAD_FILE, f'nothing to bake: {_some(self.objects)}: no faces')
