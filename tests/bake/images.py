@@ -3,6 +3,7 @@
     images.py white DIR                   every texel is cos(theta_l)
     images.py post DIR                    of `axes` from above: shadows fall away from the light, bands lie where they belong
     images.py positions DIR               of `axes`: shifts as tests/sample/relief.h says
+    images.py grounded DIR                of `axes` with the reference plane in the ground: it shows no shifts
     images.py alike A B MEAN RMS [C R]    images of the same names differ by at most that, B rolled by C columns, R rows up
     images.py noise A B LEAST MOST        the RMS of what two seeds differ by, divided by the root of 2
 
@@ -96,6 +97,15 @@ def positions(folder):
         hold(error < 0.05 and abs(ground[2] + depth) < 1e-4, f'ground from azimuth {azimuth}: {ground}, off by {error:.3f} texels')
         post_top = at(seen, 0.5, 0.5)
         hold(abs(post_top[2]) < 1e-4, f'the top of the post from azimuth {azimuth}: z = {post_top[2]:.5f}')
+
+
+def grounded(folder):
+    for azimuth, (dx, dy) in {0: (1, 0), 90: (0, 1), 180: (-1, 0), 270: (0, -1)}.items():
+        seen = bake_exr.read_rgb(os.path.join(folder, f'tv045_pv{azimuth:03d}.exr'))
+        rows, columns, _ = seen.shape
+        x, y = 0.5 + 0.3 * dx, 0.1 + 0.2 * abs(dy) + 0.1 * dy
+        own = numpy.array([(int(x * columns) + .5) / columns, (int(y * rows) + .5) / rows, 0])
+        hold(abs(at(seen, x, y) - own).max() < 1e-3, f'ground from azimuth {azimuth}: {at(seen, x, y)}, at {own}')
 
 
 def alike(a, b, most_mean, most_rms, columns='0', rows='0'):

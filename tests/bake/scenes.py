@@ -2,7 +2,7 @@
 
 white      a plane, albedo 1
 axes       the relief `axes` of btf-sample (tests/sample/relief.h) as a mesh: a post, a ridge and a wedge, diffuse
-waves      a smooth coloured relief, periodic in the tile, from z = -0.2 to 0
+waves      a smooth coloured relief, periodic in the tile, from z = -0.2 to 0; in frame 2 half a tile further along x
 nowhere    a scene without the collection BTF
 empty      one in which the collection has nothing to render
 bare       one with a face without a material
@@ -104,8 +104,12 @@ def waves():
     corner = [j * (n + 1) + i for j in range(n) for i in range(n)]
     faces = [(c, c + 1, c + n + 2, c + n + 1) for c in corner]
     colours = [(.8, .3, .2), (.2, .6, .3), (.25, .3, .8)]
-    mesh('waves', points, faces, [material(f'colour {i}', c) for i, c in enumerate(colours)],
+    made = mesh('waves', points, faces, [material(f'colour {i}', c) for i, c in enumerate(colours)],
          [(3 * (c % (n + 1)) // n + 2 * (c // (n + 1) * 2 // n)) % 3 for c in corner])
+    made.keyframe_insert('location', frame=1)
+    made.location = 0.5, 0, 0
+    made.keyframe_insert('location', frame=2)
+    bpy.context.scene.frame_set(1)
     save('waves')
 
 
