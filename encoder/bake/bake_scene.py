@@ -153,7 +153,6 @@ class BakeScene:
     def _build(self, source):
         scene, s = self.scene, self.settings
         scene.view_layers[0].name = LAYER
-        scene.frame_set(s.frame if s.frame >= 0 else source.frame_current)
         self.tile = self._new(bpy.data.collections, 'btf-bake tile')
         for each in self.objects:
             self.tile.objects.link(each)
@@ -162,6 +161,7 @@ class BakeScene:
         scene.world = None  # black
 
         scene.view_layers[0].update()
+        scene.frame_set(s.frame if s.frame >= 0 else source.frame_current)  # moves what is linked by now
         self.bounds = Bounds(scene.view_layers[0].depsgraph)
         if self.bounds.empty():
             raise BakeError(BAD_FILE, f'nothing to bake: {_some(self.objects)}: no faces')

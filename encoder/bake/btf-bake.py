@@ -301,7 +301,11 @@ def bake(blender, scene, settings, quiet):
                     os.remove(path)
         if end is None:
             with open(log, encoding='utf-8', errors='replace') as file:
-                last = ''.join(file.readlines()[-15:])
+                lines = file.readlines()
+            unread = [line.strip() for line in lines if re.match('Error: (Failed to read|Cannot read)', line)]
+            if unread:
+                raise BakeError(BAD_FILE, f'{scene}: Blender cannot read it: {unread[0]}')
+            last = ''.join(lines[-15:])
             raise BakeError(INTERNAL, f'Blender ended with {child.returncode} before the bake did; its last lines:\n{last}')
     if end[0] == 'error':
         raise BakeError(end[1]['code'], end[1]['text'])
