@@ -36,7 +36,7 @@ seconds() { # NAME COMMAND...: runs it and adds its core seconds to NAME.seconds
 }
 
 # Scene, light, and how its model is shown: mesh, repeats, view, zoom.
-for each in knit:40,120:drape:2.5:20,-60:0.92 gravel:40,120:torus:4:0,0:0.97 scales:50,-65:torus:4:0,0:0.97; do
+for each in knit:40,120:drape:2.5:20,-60:0.92 gravel:40,120:torus:4:0,0:0.97 scales:50,-65:drape:2:35,-100:1; do
     IFS=: read -r name light mesh times view zoom <<<"$each"
     echo "$name" >&2
     [ -f "$name.blend" ] || {
