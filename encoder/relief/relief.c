@@ -366,7 +366,7 @@ static btf_result decide(relief_job *j, enc_relief_choice *choice, enc_relief_st
     }
     weigh(j, shown, choice->n_rings, choice->ring, &choice->candidate[shown]);
     choice->reason = choice->chosen > 0                    ? NULL
-                     : choice->share >= ENC_RELIEF_SHARE ? "heights explain too little of what a plane leaves"
+                     : choice->share >= ENC_RELIEF_SHARE ? "the heights found leave too much of a plane's squared error"
                                                          : "it gains too little on every ring of views";
     if (choice->chosen == 0) {
         return BTF_OK;
