@@ -58,6 +58,9 @@ Example:
 
 
 class Parser(argparse.ArgumentParser):
+    def format_help(self): # as the other tools begin
+        return super().format_help().replace('usage: ', 'Usage: ', 1)
+
     def error(self, message):
         fail(USAGE, message + ' (btf-bake --help)')
 
@@ -142,7 +145,7 @@ def command_line():
     out.add_argument('-q', '--quiet', action='store_true', help='no progress, no summary')
     out.add_argument('-h', '--help', action='help', help='print this and end')
     version = VERSION if VERSION[0].isdigit() else 'of a source folder'
-    out.add_argument('--version', action='version', version=f'btf-bake {version}', help='print the version and end')
+    out.add_argument('--version', action='version', version=f'btf-bake (OpenBTF) {version}', help='print the version and end')
     arguments, more = sys.argv[1:], []
     if '--tile' in arguments[:-1]:  # its numbers may begin with a minus, which argparse would take for an option
         at = arguments.index('--tile')
@@ -258,7 +261,7 @@ def end_child(child):
 
 
 def environment(blender, scratch):
-    """Of Blender. A Blender without a Python of its own, such as Debian's, takes the modules of the first python3 on the
+    """Gives the environment that Blender runs in. A Blender without a Python of its own, such as Debian's, takes the modules of the first python3 on the
     PATH: that should be the one beside it."""
     path = os.pathsep.join([os.path.dirname(os.path.abspath(blender)), '/usr/bin', os.environ.get('PATH', os.defpath)])
     return {**os.environ, 'PATH': path, 'TMPDIR': scratch, 'PYTHONDONTWRITEBYTECODE': '1'}

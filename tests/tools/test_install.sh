@@ -29,7 +29,8 @@ unset PKG_CONFIG_PATH
     printf 'LIB/%s\n' libopenbtf{,_input,_reference}.so{,.0.2,.0.2.0} pkgconfig/openbtf{,-input,-reference}.pc
     printf 'PYTHON/openbtf/%s\n' __init__.py _library.py data.py material.py py.typed
     printf 'share/cmake/openbtf/%s\n' openbtfConfig{,Version}.cmake
-    printf 'share/openbtf/bake/%s\n' README.md bake_{checks,directions,exr,scene,settings}.py btf_bake.py
+    printf 'share/openbtf/bake/%s\n' README.md bake_{checks,directions,exr,scene,settings}.py btf_bake.py openbtf_bake.zip \
+        scenes/{SCENES.md,gravel.py,knit.py,scales.py,tile.py}
     printf 'share/openbtf/%s\n' API.md FORMAT.md INPUTS.md LICENSE README.md SAMPLING.md openbtf.glsl self_test.glsl \
         openbtf_{factors,joint,lists,paper,points,relief,residual,sbrdf}_{texel,bilinear,steep,fast,stochastic}.glsl \
         openbtf_folded_{texel,bilinear,steep,fast}.glsl
@@ -44,10 +45,10 @@ complete() {
         wrong=1
     fi
     # decode.glsl is a file that btf-shader writes.
-    for name in $(grep -ohE '\b[a-z_]+\.glsl\b' "$prefix"/share/openbtf/* "$prefix"/include/openbtf/*.h | grep -vx decode.glsl); do
+    for name in $(grep -ohE '\b[a-z_]+\.glsl\b' "$prefix"/share/openbtf/*.* "$prefix"/include/openbtf/*.h | grep -vx decode.glsl); do
         [ -f "$prefix/share/openbtf/$name" ] || { echo "$name is named, but not installed" && wrong=1; }
     done
-    for name in $(grep -ohE '\bopenbtf/[a-z_]+\.h\b' "$prefix"/share/openbtf/* "$prefix"/include/openbtf/*.h); do
+    for name in $(grep -ohE '\bopenbtf/[a-z_]+\.h\b' "$prefix"/share/openbtf/*.* "$prefix"/include/openbtf/*.h); do
         [ -f "$prefix/include/$name" ] || { echo "$name is named, but not installed" && wrong=1; }
     done
     for name in $(grep -ohrE '\b[A-Z]+\.md\b' "$prefix"/include/openbtf "$(dirname "$prefix"/lib/python3*/*-packages/openbtf/data.py)" \
@@ -105,7 +106,8 @@ fi
 # ---- the tools, with a bare environment, from another folder
 
 bare() { (cd / && env -i HOME="$work" PATH=/usr/bin:/bin "$@"); }
-of_prefix() { # no library of the build folder
+of_prefix() { # no library of the build folder; scripts have none
+    [ "$(head -c 2 "$1")" = '#!' ] && return 0
     ldd "$1" >libraries || return 1
     ! grep -E 'libopenbtf' libraries | grep -vF "$prefix"
 }
