@@ -261,8 +261,8 @@ def end_child(child):
 
 
 def environment(blender, scratch):
-    """Gives the environment that Blender runs in. A Blender without a Python of its own, such as Debian's, takes the modules of the first python3 on the
-    PATH: that should be the one beside it."""
+    """Gives the environment that Blender runs in. A Blender without a Python of its own, such as Debian's, takes the modules
+    of the first python3 on the PATH: that should be the one beside it."""
     path = os.pathsep.join([os.path.dirname(os.path.abspath(blender)), '/usr/bin', os.environ.get('PATH', os.defpath)])
     return {**os.environ, 'PATH': path, 'TMPDIR': scratch, 'PYTHONDONTWRITEBYTECODE': '1'}
 
