@@ -300,10 +300,13 @@ static void keep_floats(reader *r, const char *name, const float *values, size_t
     *out_count = count;
 }
 
+/* Room for 4096 rows of 5 + 2 * 16 * 16 numbers, and for the limits in front of them. */
+enum { MOST_EFFECT_FLOATS = 1 << 22 };
+
 static void get_effect_errors(reader *r, btf_material *m) {
     const char *const name = "openbtf.effectErrors";
     size_t count;
-    const float *values = get_floats(r, name, false, 1, 1 << 20, &count);
+    const float *values = get_floats(r, name, false, 1, MOST_EFFECT_FLOATS, &count);
     if (!values) {
         return;
     }
@@ -317,7 +320,7 @@ static void get_effect_errors(reader *r, btf_material *m) {
 static void get_effect_differences(reader *r, btf_material *m) {
     const char *const name = "openbtf.effectDifferences";
     size_t count;
-    const float *values = get_floats(r, name, false, 1, 1 << 20, &count);
+    const float *values = get_floats(r, name, false, 1, MOST_EFFECT_FLOATS, &count);
     if (!values) {
         return;
     }

@@ -269,12 +269,26 @@ static void plan_all(const btf_material *material, const btf_scene *scene, uint3
     fill_costs(material, views, lights, plan);
 }
 
-/* The material's table, weighted for a scene. */
+static bool same_limits(uint32_t bands, const float *a, uint32_t other_bands, const float *b) {
+    return bands == other_bands && memcmp(a, b, (bands + 1) * sizeof *a) == 0;
+}
+
+/* Whether both tables have the same bands: a file may hold two that have not. */
+static bool same_bands(const btf_effect_errors *a, const btf_effect_errors *b) {
+    return same_limits(a->view_bands, a->view_limits, b->view_bands, b->view_limits) &&
+           same_limits(a->light_bands, a->light_limits, b->light_bands, b->light_limits);
+}
+
+/* The material's table, weighted for a scene. Differences of other bands, whose rows have another length, are passed
+ * over. */
 static error_table open_table(const btf_material *material, const btf_scene *scene) {
     error_table t = {.rows = btf_material_effect_errors(material),
                      .differences = btf_material_effect_differences(material)};
     if (t.rows.row_count == 0) {
         return t;
+    }
+    if (t.differences.row_count > 0 && !same_bands(&t.rows, &t.differences)) {
+        t.differences.row_count = 0;
     }
     band_weights(&scene->view, t.rows.view_bands, t.rows.view_limits, t.view);
     band_weights(&scene->light, t.rows.light_bands, t.rows.light_limits, t.light);
@@ -473,8 +487,9 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *given
         memcpy(&scene, given, given->struct_size < sizeof scene ? given->struct_size : sizeof scene);
     }
     scene.struct_size = sizeof scene; /* the plan's is whole */
-    if (!is_within_limit(tolerance) || !is_within_limit(scene.pixels) ||
-        !btfi_range_is_legal(&scene.view) || !btfi_range_is_legal(&scene.light)) {
+    if (!is_within_limit(tolerance) || !is_within_limit(scene.pixels) || !(scene.folded_pixels >= 0) ||
+        isinf(scene.folded_pixels) || !btfi_range_is_legal(&scene.view) ||
+        !btfi_range_is_legal(&scene.light)) {
         return BTF_ERROR_USAGE;
     }
     btfi_reach_range(&material->views, &scene.view, &views);

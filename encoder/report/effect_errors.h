@@ -10,7 +10,7 @@
 #include "encoder/data/data.h"
 #include <openbtf/material.h>
 
-/* What was measured, as btf_material_desc takes it. */
+/* The tables of measured errors, as btf_material_desc takes it. */
 typedef struct enc_effect_tables {
     float *errors; /* effect_errors */
     size_t error_count;

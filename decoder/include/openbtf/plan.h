@@ -92,7 +92,7 @@ typedef struct btf_plan {
 /** Finds the plan whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below the full decode's where the scene
  * looks, and whose mean of relative cost and relative bytes is least. Where view or light lie between the samples and
  * the file says what is lost there (btf_between_errors), that is the full decode's error: the half of it, 3 dB less,
- * since it is of samples left out, at double the gap (BRICKS64: estimated 3.1 to 3.7 dB below what images between the
+ * since it is of samples left out, at double the gap (BRICKS64: before it is halved the estimate is, ring by ring, 3.1 to 3.7 dB below what images between the
  * samples show; no file keeps such truth). What a plan adds there is its squared difference to the
  * full decode (btf_material_effect_differences), as errors of decoding and of interpolation have nothing to do with each
  * other; beside a larger error it shows less. Where a file has no differences, it is the mean of the growth of the error at the samples,

@@ -39,6 +39,8 @@ if __name__ == "__main__":
             phi = np.degrees(np.arctan2(light[1], light[0])) % 360
             print("  light %5.1f, %5.1f: %.4f %.4f %.4f" % (theta, phi, *rgb))
         if first is None:
-            first = bright
-        elif first.shape == bright.shape:
+            first, lights = bright, btf.lights
+        elif first.shape == bright.shape and np.allclose(lights, btf.lights, atol=1e-3):
             print("  RMS against the first: %.5f" % np.sqrt(np.mean((bright - first) ** 2)))
+        else:
+            print("  has other lights than the first")

@@ -14,7 +14,7 @@ typedef struct frame_wishes {
     bool finest;     /* the level of detail is not for the plan to choose */
     const btf_cost_model *costs; /* as in btf_scene */
     uint32_t still_lights; /* so many that their sum can be folded, 2 at least; 0: none */
-    bool folds;        /* what is fixed will be folded where that pays; */
+    bool folds;        /* a fixed light or view will be folded where that pays */
     double samples;    /* shown in a frame, for a fold to pay; 0: it is made whether it pays or not */
     size_t fold_bytes; /* the most that a fold may take */
 } frame_wishes;

@@ -284,7 +284,7 @@ static btf_result export_material(const btf_material *material, const btf_shader
 /* Makes the restriction of the plan, and its options. */
 static btf_result make_plan(const btf_material *material, const btf_log *log, btf_plan *out_plan,
                             btf_material **out_restricted) {
-    btf_cost_model costs = {0};
+    static btf_cost_model costs; /* the scene keeps its address */
     if (options.costs) {
         const btf_result result = btf_cost_model_open(options.costs, log, &costs);
         if (result) {

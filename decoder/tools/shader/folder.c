@@ -16,6 +16,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+enum { FILE_NAME_BYTES = 256 }; /* room in a path for the name of a file of the folder */
+
 struct folder {
     char path[PATH_MAX], temporary[PATH_MAX], file[PATH_MAX];
     folder_is_ours *is_ours;
@@ -64,7 +66,7 @@ static void remove_stale(const char *parent, const char *name, folder_is_ours *i
     closedir(listing);
 }
 
-/* What is at the path must be a folder that may be replaced. */
+/* Demands that the path is free, or a folder that may be replaced. */
 static btf_result check_place(folder *f, bool replace) {
     struct stat status;
     if (lstat(f->path, &status) != 0) {
@@ -127,7 +129,7 @@ btf_result folder_open(const char *path, bool replace, folder_is_ours *is_ours, 
     }
     if (!fits || !*name || is_dot(name) ||
         snprintf(f->temporary, sizeof f->temporary, "%s/.%s.%ld.tmp", parent, name, (long)getpid()) >=
-            (int)sizeof f->temporary) {
+            (int)sizeof f->temporary - FILE_NAME_BYTES) {
         file_say(log, "%.200s: not the name of a folder that can be made", path);
         free(f);
         return BTF_ERROR_IO;

@@ -7,6 +7,8 @@
 #include "cross_text.h"
 #include "decoder/toolkit/file.h"
 #include "translate.h"
+#include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -83,7 +85,12 @@ const char *const *language_functions(const btf_shader_options *options) {
 /* A block comment in front of a text: every language but SPIR-V has them. Takes `body` over. */
 static btf_result comment(language l, const char *prefix, char *body, const btf_log *log, char **out_data,
                           size_t *out_size) {
-    char *use = cross_replace_prefix(facts[l].use, "PREFIX_", prefix);
+    char upper[64];
+    snprintf(upper, sizeof upper, "%s", prefix);
+    for (char *c = upper; *c; c++) {
+        *c = (char)toupper((unsigned char)*c); /* as cross_msl writes the macro */
+    }
+    char *use = cross_replace_prefix(facts[l].use, "PREFIX_", upper);
     char *text = use ? cross_join((const char *const[]){
                            "/* The decoder of a material, written by btf-shader " OPENBTF_VERSION
                            " (OpenBTF, MIT licence).\n",

@@ -99,7 +99,7 @@ static void put_descriptor(header *h, const texture_format *f) {
                                                                               : 0;
         put_32(h, bits * c | (bits - 1) << 16 | ((c == 3 ? ALPHA : c) | qualifiers) << 24);
         put_32(h, 0); /* position in the block */
-        /* What stands for -1 (for 0 of unsigned numbers) and for 1: integers are not normalised. */
+        /* The numbers that stand for -1 (for 0 of unsigned ones) and for 1: integers are not normalised. */
         put_32(h, f->kind == 'f' ? 0xBF800000u : f->kind == 'i' ? 0xFFFFFFFFu : 0);
         put_32(h, f->kind == 'f' ? 0x3F800000u : 1);
     }

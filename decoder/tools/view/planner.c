@@ -35,7 +35,8 @@ static bool same_range(const btf_range *a, const btf_range *b) {
 }
 
 static bool same_scene(const btf_scene *a, const btf_scene *b) {
-    return same_range(&a->view, &b->view) && same_range(&a->light, &b->light) && a->pixels == b->pixels;
+    return same_range(&a->view, &b->view) && same_range(&a->light, &b->light) && a->pixels == b->pixels &&
+           !a->no_fold == !b->no_fold;
 }
 
 /* Whether a plan for `scene` can draw all of `needed`, in a range that is wider by `more` degrees. */
@@ -112,9 +113,10 @@ planner_action planner_decide(planner *p, const btf_scene *needed, bool at_rest,
     if (is_wasteful(now, &rings)) {
         return want(p, &rings);
     }
-    if (folds && needed->light.fixed && !now->light.fixed) {
+    if (folds && needed->light.fixed && (!now->light.fixed || !now->no_fold != !needed->no_fold)) {
         btf_scene folded = *now;
         folded.light = needed->light;
+        folded.no_fold = needed->no_fold;
         return want(p, &folded);
     }
     return PLANNER_KEEP;

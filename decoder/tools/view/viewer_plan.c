@@ -128,9 +128,7 @@ static btf_result do_next_part(viewer *v) {
     btf_result result = BTF_OK;
     const double start = glfwGetTime();
     if (p->stage == STAGE_MAKE) {
-        /* What the drawing will not fold, the plan must not count on. */
         btf_scene *target = &p->planner.target;
-        target->no_fold = !drawing_folds(v->drawing, &v->state);
         target->folded_pixels = (double)LIGHT_FOLD_FRAMES * p->size[0] * p->size[1];
         target->folded_bytes = LIGHT_FOLD_BYTES;
         result = planner_make(&p->planner, v->material, (float)view_options.tolerance,
@@ -166,6 +164,8 @@ btf_result viewer_plan(viewer *v, double *out_wait) {
     }
     const double now = glfwGetTime(), light_rests = now - p->light_moved, view_rests = now - p->moved;
     const bool at_rest = light_rests >= rest_seconds && view_rests >= rest_seconds && !v->state.animate;
+    p->needed.no_fold =
+        !drawing_folds(v->drawing, &v->state); /* no plan counts on a fold that will not be made */
     const planner_action action = planner_decide(
         &p->planner, &p->needed, at_rest, p->folds && light_rests >= rest_seconds && !v->state.animate);
     if (action == PLANNER_SWITCH) {

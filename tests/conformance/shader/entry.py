@@ -93,8 +93,9 @@ def unprotected_text(path):
     with open(path) as file:
         text = file.read()
     metal, found, faults = path.endswith('.metal'), functions(text), []
-    for name, sign, helper in (('btf_add', '+', 'spvFAdd'), ('btf_mul', '*', 'spvFMul')):
-        bodies = found.get(name, [])
+    for name, sign, helper in (('_add', '+', 'spvFAdd'), ('_mul', '*', 'spvFMul')):
+        # The prefix of names is the caller's (--prefix): btf_add, stone_2_add.
+        bodies = [body for other, list_of in found.items() if other.endswith(name) for body in list_of]
         if not bodies:
             faults.append(f'no {name}')
         for body in bodies:

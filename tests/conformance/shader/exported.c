@@ -104,7 +104,7 @@ static bool read_places(const cJSON *t, const char *name, const unsigned char *b
     return true;
 }
 
-/* What the manifest says of a texture and what its file says. */
+/* Whether manifest and file say the same of a texture. */
 static bool agree(const exported_texture *t, uint32_t dxgi, const char *store, const loaded *by_manifest) {
     const loaded *d = &t->data;
     const bool ktx = !strcmp(store, "ktx2");
@@ -201,7 +201,9 @@ int exported_differences(const exported *e, const btf_material *material) {
     int different = 0;
     for (int i = 0; i < e->texture_count; i++) {
         const exported_texture *t = &e->textures[i];
+        bool known = false;
         for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
+            known |= !strcmp(btf_texture_name((btf_texture_id)id), t->name);
             for (uint32_t k = 0;
                  k < t->data.levels && !strcmp(btf_texture_name((btf_texture_id)id), t->name); k++) {
                 const btf_texture own = btf_material_level_texture(material, k, (btf_texture_id)id);
@@ -210,6 +212,10 @@ int exported_differences(const exported *e, const btf_material *material) {
                     different++;
                 }
             }
+        }
+        if (!known) {
+            complain("%s: no texture of the library", t->name);
+            different++;
         }
     }
     return different;

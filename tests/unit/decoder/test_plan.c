@@ -278,6 +278,12 @@ static const float difference_table[] = {
     BTF_EFFECT_RESIDUAL, 4, 0, 0, 0, 0.02f, 0.02f, 0.1f, 0.1f,
 };
 
+/* Differences in one band of view and one of light: shorter rows than known_table's. */
+static const float other_bands[] = {
+    1, 1, 0, 75, 0, 75,
+    BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL, 4, 0, 0, 0, 0.003f, 0.001f,
+};
+
 /* More of known_table: errors where view and light are samples. */
 static const float sample_rows[] = {
     EFFECTS, 8, 2, 0, 0, 0.0005f, 0.001f, 0.0005f, 0.001f,
@@ -286,7 +292,7 @@ static const float sample_rows[] = {
 /* clang-format on */
 
 /* The parts that a known material has beside its table. */
-enum { PLAIN = 0, WITH_BETWEEN = 1, WITH_DIFFERENCES = 2, WITH_SAMPLES = 4 };
+enum { PLAIN = 0, WITH_BETWEEN = 1, WITH_DIFFERENCES = 2, WITH_SAMPLES = 4, WITH_OTHER_BANDS = 8 };
 
 /* The material of the known table and of others as well. */
 static btf_material *make_known(int parts) {
@@ -310,6 +316,10 @@ static btf_material *make_known(int parts) {
     desc.effect_differences = parts & WITH_DIFFERENCES ? difference_table : NULL;
     desc.effect_difference_count =
         parts & WITH_DIFFERENCES ? sizeof difference_table / sizeof *difference_table : 0;
+    if (parts & WITH_OTHER_BANDS) {
+        desc.effect_differences = other_bands;
+        desc.effect_difference_count = sizeof other_bands / sizeof *other_bands;
+    }
     return make(&desc, &r);
 }
 
@@ -377,6 +387,25 @@ static void plans_add_differences(void **state) {
     btf_material_close(&told);
     btf_material_close(&old);
     btf_material_close(&silent);
+}
+
+/* Differences whose bands are not those of the errors are passed over: rows would be read beyond their ends. */
+static void differences_of_other_bands_count_for_nothing(void **state) {
+    (void)state;
+    btf_material *other = make_known(WITH_BETWEEN | WITH_SAMPLES | WITH_OTHER_BANDS),
+                 *without = make_known(WITH_BETWEEN | WITH_SAMPLES);
+    const btf_scene scene = {.struct_size = sizeof scene, .view.theta = {0, 30}};
+    assert_int_equal(btf_material_effect_differences(other).row_count, 1);
+    for (float tolerance = 0.3f; tolerance < 2.5f; tolerance += 0.1f) {
+        btf_plan plan, expected;
+        assert_int_equal(btf_plan_effects(other, &scene, tolerance, &plan), BTF_OK);
+        assert_int_equal(btf_plan_effects(without, &scene, tolerance, &expected), BTF_OK);
+        assert_int_equal(plan.effects, expected.effects);
+        assert_int_equal(plan.components, expected.components);
+        assert_true(plan.between_psnr_linear == expected.between_psnr_linear);
+    }
+    btf_material_close(&other);
+    btf_material_close(&without);
 }
 
 static void plans_follow_the_table(void **state) {
@@ -539,8 +568,8 @@ static void wrong_scenes_are_refused(void **state) {
     btf_material_desc desc = random_material_desc(4, 4, 7, 7, BTF_LAYOUT_TIGHT, 0);
     btf_material *material = make(&desc, &r), *small = (btf_material *)&desc;
     const btf_scene good = {.struct_size = sizeof good};
-    btf_scene wrong[8];
-    for (int i = 0; i < 8; i++) {
+    btf_scene wrong[11];
+    for (int i = 0; i < 11; i++) {
         wrong[i] = good;
     }
     wrong[0].view.theta[1] = 91;
@@ -551,8 +580,11 @@ static void wrong_scenes_are_refused(void **state) {
     wrong[5].view = (btf_range){.fixed = 1, .direction = {1, 0, 0}};
     wrong[6].pixels = INFINITY;
     wrong[7].view.phi[1] = 400;
+    wrong[8].folded_pixels = -1;
+    wrong[9].folded_pixels = NAN;
+    wrong[10].folded_pixels = INFINITY;
     btf_plan plan;
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 11; i++) {
         assert_int_equal(btf_plan_effects(material, &wrong[i], 0.5f, &plan), BTF_ERROR_USAGE);
     }
     assert_int_equal(btf_plan_effects(material, &good, -1, &plan), BTF_ERROR_USAGE);
@@ -566,11 +598,17 @@ static void wrong_scenes_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(tight_decodes_like_paper), cmocka_unit_test(restrictions_decode_alike),
-        cmocka_unit_test(restrictions_are_small),   cmocka_unit_test(fixed_neighbours_are_the_reference_s),
-        cmocka_unit_test(plans_follow_the_table),   cmocka_unit_test(plans_tell_of_what_lies_between),
-        cmocka_unit_test(costs_follow_the_model),   cmocka_unit_test(costs_of_factors_follow_the_model),
-        cmocka_unit_test(plans_add_differences),    cmocka_unit_test(wrong_scenes_are_refused),
+        cmocka_unit_test(tight_decodes_like_paper),
+        cmocka_unit_test(restrictions_decode_alike),
+        cmocka_unit_test(restrictions_are_small),
+        cmocka_unit_test(fixed_neighbours_are_the_reference_s),
+        cmocka_unit_test(plans_follow_the_table),
+        cmocka_unit_test(plans_tell_of_what_lies_between),
+        cmocka_unit_test(costs_follow_the_model),
+        cmocka_unit_test(costs_of_factors_follow_the_model),
+        cmocka_unit_test(plans_add_differences),
+        cmocka_unit_test(differences_of_other_bands_count_for_nothing),
+        cmocka_unit_test(wrong_scenes_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
