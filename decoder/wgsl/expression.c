@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_ARGUMENTS = 16 };
+enum { MOST_ARGUMENTS = 16, HIGHEST = 1000 };
 
 int btfi_constant(const btfi_tree *tree, uint32_t node, int64_t *out_value) {
     const btfi_node *n = &tree->nodes[node];
@@ -19,7 +19,8 @@ int btfi_constant(const btfi_tree *tree, uint32_t node, int64_t *out_value) {
         *out_value = strtoll(n->token.text, NULL, 0);
         return n->type.base == BTFI_INT || n->type.base == BTFI_UINT;
     case BTFI_NODE_VARIABLE:
-        return tree->symbols[n->of].is_const && btfi_constant(tree, tree->symbols[n->of].value, out_value);
+        *out_value = tree->symbols[n->of].number;
+        return tree->symbols[n->of].has_number;
     case BTFI_NODE_UNARY:
         if (!btfi_token_is(&n->token, "-") || !btfi_constant(tree, n->a, &a)) {
             return 0;
@@ -39,6 +40,9 @@ btfi_type btfi_parse_array(btfi_parser *p, btfi_type element) {
     int64_t count = 0;
     if (!btfi_accept(p, "[")) {
         return element;
+    }
+    if (element.count) {
+        btfi_parse_fail(p, "an array of arrays");
     }
     if (!btfi_constant(p->tree, btfi_parse_expression(p), &count) || count < 1 || count > 4096) {
         btfi_parse_fail(p, "the length of an array is no constant from 1 to 4096");
@@ -69,7 +73,20 @@ static uint32_t typed(btfi_parser *p, uint32_t node, btfi_type type) {
         btfi_parse_fail(p, "an operation that the decoder's part of GLSL does not have");
         return 0;
     }
-    p->tree->nodes[node].type = type;
+    btfi_node *nodes = p->tree->nodes;
+    nodes[node].type = type;
+    if (p->result != BTF_OK) {
+        return 0;
+    }
+    uint32_t height = nodes[nodes[node].b].height;
+    height = nodes[nodes[node].c].height > height ? nodes[nodes[node].c].height : height;
+    for (uint32_t part = nodes[node].a; part; part = nodes[part].next) {
+        height = nodes[part].height > height ? nodes[part].height : height;
+    }
+    nodes[node].height = height + 1;
+    if (height >= HIGHEST) {
+        btfi_parse_fail(p, "an expression of too many parts");
+    }
     return node;
 }
 
@@ -88,6 +105,11 @@ static btfi_symbol *root(btfi_tree *tree, uint32_t node) {
 }
 
 static void mark_written(btfi_parser *p, uint32_t node) {
+    const btfi_node *n = &p->tree->nodes[node];
+    if ((n->kind == BTFI_NODE_SWIZZLE || n->kind == BTFI_NODE_INDEX) &&
+        p->tree->nodes[n->a].kind == BTFI_NODE_SWIZZLE) {
+        btfi_parse_fail(p, "components of components are assigned");
+    }
     btfi_symbol *s = root(p->tree, node);
     if (!s || s->is_const || s->is_uniform) {
         btfi_parse_fail(p, "only a variable can be assigned");
@@ -164,8 +186,7 @@ static uint32_t parse_call(btfi_parser *p, btfi_token name) {
     }
     tree->nodes[node].a = first;
     tree->nodes[node].of = (uint32_t)f;
-    tree->nodes[node].type = tree->functions[f].type;
-    return node;
+    return typed(p, node, tree->functions[f].type);
 }
 
 static uint32_t parse_construct(btfi_parser *p, btfi_token name, btfi_type type) {
@@ -194,6 +215,20 @@ static uint32_t parse_construct(btfi_parser *p, btfi_token name, btfi_type type)
                  btfi_is_plain(type) && (fills || components == type.size) ? type : (btfi_type){0});
 }
 
+/* Whether a number is written as GLSL and WGSL both read it. */
+static int is_whole(const btfi_token *t) {
+    const char *end = t->text + t->length - (t->kind == BTFI_TOKEN_UINT);
+    const size_t length = (size_t)(end - t->text);
+    if (t->kind != BTFI_TOKEN_FLOAT) { /* 0x without digits; octal, which WGSL does not have */
+        return t->text[0] != '0' || length == 1 || ((t->text[1] == 'x' || t->text[1] == 'X') && length > 2);
+    }
+    int points = 0;
+    for (const char *c = t->text; c < end; ++c) {
+        points += *c == '.';
+    }
+    return points <= 1 && !strchr("eE+-", end[-1]);
+}
+
 static uint32_t parse_primary(btfi_parser *p) {
     if (btfi_accept(p, "(")) {
         const uint32_t node = btfi_deeper(p) ? btfi_parse_expression(p) : 0;
@@ -204,6 +239,9 @@ static uint32_t parse_primary(btfi_parser *p) {
     const btfi_token t = *btfi_peek(p);
     if (t.kind == BTFI_TOKEN_INT || t.kind == BTFI_TOKEN_UINT || t.kind == BTFI_TOKEN_FLOAT ||
         btfi_token_is(&t, "true") || btfi_token_is(&t, "false")) {
+        if (!is_whole(&t) && t.kind != BTFI_TOKEN_NAME) {
+            btfi_parse_fail(p, "a number that is not whole, or octal,");
+        }
         btfi_take(p);
         const btfi_base base = t.kind == BTFI_TOKEN_INT     ? BTFI_INT
                                : t.kind == BTFI_TOKEN_UINT  ? BTFI_UINT
@@ -312,7 +350,11 @@ static uint32_t parse_unary(btfi_parser *p) {
     }
     const uint32_t node = btfi_new_node(p, steps ? BTFI_NODE_STEP : BTFI_NODE_UNARY, mark);
     p->tree->nodes[node].a = of;
-    return typed(p, node, p->tree->nodes[of].type);
+    const btfi_type type = p->tree->nodes[of].type;
+    const int fits = btfi_token_is(&mark, "!")   ? type.base == BTFI_BOOL && type.size == 1
+                     : btfi_token_is(&mark, "-") ? type.base == BTFI_INT || type.base == BTFI_FLOAT
+                                                 : type.base != BTFI_BOOL;
+    return typed(p, node, fits && btfi_is_plain(type) ? type : (btfi_type){0});
 }
 
 /* Operators by the strength with which they bind, the weakest first. */

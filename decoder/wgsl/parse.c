@@ -22,6 +22,9 @@ static void parse_struct(btfi_parser *p, const btfi_token *first) {
     btfi_struct s = {.name = btfi_take(p), .first = tree->n_symbols};
     s.name.comment = first->comment;
     s.name.comment_length = first->comment_length;
+    if (s.name.kind != BTFI_TOKEN_NAME) {
+        btfi_parse_fail(p, "a struct without a name, before what stands");
+    }
     btfi_expect(p, "{");
     while (p->result == BTF_OK && !btfi_accept(p, "}")) {
         const btfi_type type = btfi_parse_type(p);
@@ -53,6 +56,9 @@ static uint32_t parse_number(btfi_parser *p) {
 static void parse_uniform(btfi_parser *p, uint32_t group, int64_t binding) {
     skip_precision(p);
     const btfi_type type = btfi_parse_type(p);
+    if (type.size == 0) {
+        btfi_parse_fail(p, "a uniform of no known type");
+    }
     const btfi_token name = btfi_take(p);
     const uint32_t symbol = btfi_new_symbol(p, name, type);
     btfi_expect(p, ";");
@@ -92,6 +98,9 @@ static void parse_parameter(btfi_parser *p) {
     btfi_accept(p, "const");
     skip_precision(p);
     btfi_type type = btfi_parse_type(p);
+    if (type.size == 0 || type.base == BTFI_VOID) {
+        btfi_parse_fail(p, "a parameter of no type");
+    }
     const btfi_token name = btfi_take(p);
     type = btfi_next_is(p, "[") ? btfi_parse_array(p, type) : type;
     const uint32_t symbol = btfi_new_symbol(p, name, type);
@@ -110,6 +119,9 @@ static void parse_function(btfi_parser *p, const btfi_token *first) {
     f.name.comment = first->comment;
     f.name.comment_length = first->comment_length;
     f.first = tree->n_symbols;
+    if (f.name.kind != BTFI_TOKEN_NAME) {
+        btfi_parse_fail(p, "a function without a name, before what stands");
+    }
     btfi_expect(p, "(");
     if (!btfi_next_is(p, ")")) {
         do {

@@ -1,4 +1,4 @@
-/* What the parsers of declarations, statements and expressions share.
+/* The state and the steps that the parsers of declarations, statements and expressions share.
  *
  * SPDX-License-Identifier: MIT
  */

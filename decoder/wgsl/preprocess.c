@@ -12,8 +12,9 @@
 
 enum {
     MOST_ARGUMENTS = 16,
-    MOST_NESTED = 64, /* conditions */
-    DEEPEST = 200,    /* brackets and operators of a condition in one another */
+    MOST_NESTED = 64,     /* conditions */
+    DEEPEST = 200,        /* brackets and operators of a condition, and macros, in one another */
+    MOST_STEPS = 1 << 22, /* tokens that expansion looks at in a text: each macro can double them */
 };
 
 typedef struct macro {
@@ -32,6 +33,7 @@ typedef struct state {
         int alive, outer; /* this branch, and all around it */
     } conditions[MOST_NESTED];
     size_t n_conditions;
+    size_t depth, steps; /* of the expansion of macros */
     btf_result result;
     char *message;
     size_t message_size;
@@ -75,14 +77,17 @@ static macro *add(state *s, btfi_token name) {
 static void expand(state *s, const btfi_token *list, size_t count, btfi_tokens *out);
 
 /* Where the arguments of a call of a macro lie; list[0] is its opening bracket. Returns how many tokens the call takes
- * from there on, 0 where it does not end. */
+ * from there on, 0 where it does not end or has more than MOST_ARGUMENTS. */
 static size_t find_arguments(const btfi_token *list, size_t count, size_t begin[MOST_ARGUMENTS],
                              size_t length[MOST_ARGUMENTS], size_t *out_arguments) {
     size_t depth = 0, n = 0, from = 1;
     for (size_t i = 0; i < count; ++i) {
         depth += btfi_token_is(&list[i], "(");
         int closes = btfi_token_is(&list[i], ")");
-        if ((closes || btfi_token_is(&list[i], ",")) && depth == 1 && n < MOST_ARGUMENTS) {
+        if ((closes || btfi_token_is(&list[i], ",")) && depth == 1) {
+            if (n == MOST_ARGUMENTS) {
+                return 0;
+            }
             begin[n] = from;
             length[n++] = i - from;
             from = i + 1;
@@ -128,7 +133,13 @@ static size_t expand_call(state *s, size_t m, const btfi_token *list, size_t cou
 
 /* Appends tokens, their macros expanded. A function-like macro's name without a bracket is no call. */
 static void expand(state *s, const btfi_token *list, size_t count, btfi_tokens *out) {
+    if (++s->depth > DEEPEST) {
+        fail(s, BTF_ERROR_UNSUPPORTED, "macros too deep in one another", count ? list : NULL);
+    }
     for (size_t i = 0; i < count && s->result == BTF_OK; ++i) {
+        if (++s->steps > MOST_STEPS) {
+            fail(s, BTF_ERROR_UNSUPPORTED, "macros that expand to too many words", &list[i]);
+        }
         const macro *found = list[i].kind == BTFI_TOKEN_NAME ? find(s, &list[i]) : NULL;
         const int call = found && found->is_function && i + 1 < count && btfi_token_is(&list[i + 1], "(");
         if (!found || found->busy || (found->is_function && !call)) {
@@ -144,6 +155,7 @@ static void expand(state *s, const btfi_token *list, size_t count, btfi_tokens *
             s->macros[m].busy = 0;
         }
     }
+    --s->depth;
 }
 
 /* Conditions: a recursive descent over the tokens of a line. */
@@ -295,6 +307,9 @@ static void define(state *s, const btfi_tokens *line) {
         btfi_tokens_add(&s->tokens, token);
     }
     m->n_body = s->tokens.count - m->body;
+    if (s->tokens.failed) { /* the macro has fewer tokens than its numbers say */
+        fail(s, BTF_ERROR_MEMORY, "out of memory", &line->list[0]);
+    }
 }
 
 static int alive(const state *s) {
@@ -335,7 +350,7 @@ static void directive(state *s) {
         define(s, &line);
     } else if (alive(s) && btfi_token_is(&word, "undef") && named) {
         s->macros[named - s->macros].gone = 1;
-    } else if (alive(s)) {
+    } else if (alive(s) || (btfi_token_is(&word, "elif") && s->conditions[s->n_conditions - 1].outer)) {
         fail(s, BTF_ERROR_UNSUPPORTED, "a directive of the preprocessor that has no meaning in WGSL",
              &word);
     }

@@ -43,7 +43,7 @@ static uint32_t parse_declarator(btfi_parser *p, btfi_type type, int is_const) {
     btfi_symbol *s = &p->tree->symbols[symbol];
     s->is_written = value == 0;
     s->is_const = (uint8_t)is_const;
-    s->value = value;
+    s->has_number = (uint8_t)(is_const && value && btfi_constant(p->tree, value, &s->number));
     p->tree->nodes[node].of = symbol;
     p->tree->nodes[node].a = value;
     btfi_show(p, symbol);

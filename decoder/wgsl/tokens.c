@@ -98,6 +98,8 @@ btfi_token btfi_read_token(btfi_reader *r, int within_line) {
             ++r->at;
         } else if (*p == '\\' && p[1] == '\n') {
             r->at += 2;
+        } else if (*p == '\\' && p[1] == '\r' && p[2] == '\n') {
+            r->at += 3;
         } else if (*p == ' ' || *p == '\t' || *p == '\r') {
             ++r->at;
         } else if (p[0] == '/' && p[1] == '/') {

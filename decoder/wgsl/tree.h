@@ -39,7 +39,8 @@ typedef struct btfi_symbol {
     uint8_t
         is_written; /* assigned, counted up, or handed to an out parameter; without a first value, too */
     uint8_t is_indexed; /* an array in it has an index that is no constant */
-    uint32_t value;     /* of a const: the node of its expression */
+    uint8_t has_number; /* a const whose first value is a constant integer: */
+    int64_t number;
     uint32_t group, binding;
 } btfi_symbol;
 
@@ -78,7 +79,8 @@ typedef struct btfi_node {
     btfi_type type;
     btfi_token token;
     uint32_t of, a, b, c, d;
-    uint32_t next; /* in a list of arguments or statements */
+    uint32_t next;   /* in a list of arguments or statements */
+    uint32_t height; /* of an expression: how many are in one another; the stack must bear them */
     uint32_t kept; /* used while writing: the number of the variable that stands for an argument, 0: none */
 } btfi_node;
 

@@ -19,10 +19,10 @@ int btfi_types_equal(btfi_type a, btfi_type b);
 /* A bool, number or vector of them. */
 int btfi_is_plain(btfi_type t);
 
-/* What a `mark` b is; size 0: GLSL has no such operation. */
+/* The type of a `mark` b; size 0: GLSL has no such operation. */
 btfi_type btfi_binary_type(const btfi_token *mark, btfi_type a, btfi_type b);
 
-/* What the function of the language of this name gives for arguments of these types; size 0: it is none of those known. */
+/* The type that the language's function of this name gives for arguments of these types; size 0: it is none of those known. */
 btfi_type btfi_builtin_type(const btfi_token *name, const btfi_type *arguments, size_t count);
 
 /* Whether a name is that of such a function. */

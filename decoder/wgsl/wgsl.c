@@ -17,7 +17,11 @@
 
 static void write_comment(btfi_writer *w, const btfi_token *name) {
     btfi_append(&w->out, "\n", 1);
-    if (name->comment) {
+    int nests = 0; /* in WGSL, comments do */
+    for (uint32_t i = 2; name->comment && i + 1 < name->comment_length; ++i) {
+        nests |= name->comment[i] == '/' && name->comment[i + 1] == '*';
+    }
+    if (name->comment && !nests) {
         btfi_append(&w->out, name->comment, name->comment_length);
         btfi_append(&w->out, "\n", 1);
     }

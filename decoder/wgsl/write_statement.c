@@ -50,6 +50,13 @@ static int has_effects(const btfi_writer *w, uint32_t node) {
     return 0;
 }
 
+/* What is assigned is written several times, and nothing in front of it. */
+static void refuse_effects(btfi_writer *w, uint32_t assigned) {
+    if (has_effects(w, assigned)) {
+        btfi_write_fail(w, "a side effect in what is assigned", &node_of(w, assigned)->token);
+    }
+}
+
 static void write_before(btfi_writer *w, uint32_t node);
 
 /* Variables for arguments that are parts of others. */
@@ -62,6 +69,7 @@ static void keep_arguments(btfi_writer *w, const btfi_node *call) {
             write_before(w, argument);
             continue;
         }
+        refuse_effects(w, argument);
         if (btfi_is_whole_variable(w->tree, argument)) {
             continue;
         }
@@ -86,6 +94,7 @@ static void write_before(btfi_writer *w, uint32_t node) {
     }
     switch (n->kind) {
     case BTFI_NODE_STEP:
+        refuse_effects(w, n->a);
         btfi_write_indent(w);
         btfi_write_expression(w, n->a);
         btfi_print(&w->out, "%.*s;\n", (int)n->token.length, n->token.text);
@@ -210,6 +219,7 @@ static int moves_components(const btfi_writer *w, const btfi_node *assignment) {
 
 static void write_assignments(btfi_writer *w, const btfi_node *n) {
     const btfi_node *value = node_of(w, n->b);
+    refuse_effects(w, n->a);
     if (value->kind == BTFI_NODE_ASSIGN) { /* a = b = c: b = c first */
         write_assignments(w, value);
         if (n->token.length > 1 || moves_components(w, n) || moves_components(w, value)) {
@@ -310,6 +320,7 @@ static void write_for(btfi_writer *w, const btfi_node *n) {
     const btfi_node *first = node_of(w, n->a), *step = node_of(w, n->c), *effect = node_of(w, step->a);
     const int is_simple =
         first->kind == BTFI_NODE_DECLARE && first->a && !has_effects(w, first->a) && !step->next &&
+        !has_effects(w, effect->a) &&
         (effect->kind == BTFI_NODE_STEP ||
          (effect->kind == BTFI_NODE_ASSIGN && !moves_components(w, effect) && !has_effects(w, effect->b)));
     if (is_simple) {

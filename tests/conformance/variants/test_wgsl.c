@@ -288,9 +288,9 @@ static int check_checks(const uint8_t *row) {
     drop_comments(text);
     fprintf(stderr, "Complaints that are meant to be seen:\n");
     char *product = strstr(text, "^ btf_zero"), *name = strstr(text, "btf_lookup("),
-         *brace = strrchr(text, '}');
-    if (!product || !name || !brace) {
-        fprintf(stderr, "a text without a product, a lookup or a brace\n");
+         *brace = strrchr(text, '}'), *texture = strstr(text, "var btf_view_table: texture_2d<u32>;");
+    if (!product || !name || !brace || !texture) {
+        fprintf(stderr, "a text without a product, a lookup, a brace or a table of views\n");
         btf_free(text);
         return 1;
     }
@@ -304,7 +304,6 @@ static int check_checks(const uint8_t *row) {
     noticed += unbalanced(text) > 0;
     *brace = '?';
     noticed += unbalanced(text) > 0;
-    char *texture = strstr(text, "var btf_view_table: texture_2d<u32>;");
     texture[4] = 'B';
     noticed += check_textures(text, row) > 0;
     btf_free(text);

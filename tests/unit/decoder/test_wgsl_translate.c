@@ -184,6 +184,36 @@ static void other_glsl_is_refused(void **state) {
         {"#define\n", "#define without a name"},
         {"#define F(a) a\nint f() { return F(1, 2); }\n", "another number of arguments"},
         {"#define F(a) a\nint f() { return F(1", "another number of arguments"},
+        {"#define F(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p) a\nint f() { return F(1, 2, 3, 4, 5, "
+         "6, 7, 8, "
+         "9, 10, 11, 12, 13, 14, 15, 16, 17); }\n",
+         "another number of arguments"},
+        {"#if 0\n#elif 1\n#endif\n", "a directive"},
+        /* What is assigned has no side effects. */
+        {"int f(int a[4]) { int i = 0; a[++i] = 3; return i; }", "a side effect in what is assigned"},
+        {"int f(int a[4]) { int i = 0; ++a[++i]; return i; }", "a side effect in what is assigned"},
+        {"void g(out int a) { a = 1; } int f(int a[4]) { int i = 0; g(a[++i]); return i; }",
+         "a side effect in what is assigned"},
+        {"int h(inout int a) { ++a; return a; } int f(int x) { ivec2 v[3]; v[h(x)].xy = ivec2(1); return "
+         "x; }",
+         "a side effect in what is assigned"},
+        {"void f(int a[4], int n) { int j = 0; for (int i = 0; i < n; ++a[++j]) ; }",
+         "a side effect in what is assigned"},
+        /* Texts that are no GLSL. */
+        {"uint f(uint a) { return -a; }", "an operation that"},
+        {"int f(int a) { return !a; }", "an operation that"},
+        {"struct s { int a; }; s f(s a) { return -a; }", "an operation that"},
+        {"bool f(bool a) { ++a; return a; }", "an operation that"},
+        {"struct 5 { int a; };", "a struct without a name"},
+        {"void +() {}", "a function without a name"},
+        {"float f(x) { return 1.0; }", "a parameter of no type"},
+        {"layout(binding = 1) uniform mat3 m;", "a uniform of no known type"},
+        {"float f() { return 1.2.3; }", "a number that is not whole"},
+        {"float f() { return 1e; }", "a number that is not whole"},
+        {"int f() { return 0x; }", "a number that is not whole"},
+        {"int f() { return 010; }", "a number that is not whole"},
+        {"void f(vec3 a) { a.xyz.xy = a.xy; }", "components of components"},
+        {"void f(float[3] a[4]) {}", "an array of arrays"},
         {"int f(int a) { const int b = 1; b = 2; return b; }", "only a variable can be assigned"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
@@ -216,6 +246,9 @@ static void depth_is_bounded(void **state) {
         {"#if ", "!", "\n"},
         {"int f(int a) { return ", "int(", ""},
         {"int f(int a) { ", "if (a > 0) ; else ", ""},
+        {"int f() { return 1", "+1", "; }"},
+        {"ivec2 f(ivec2 v) { return v", ".xy", "; }"},
+        {"#define F(x) x\nint f() { return ", "F(", ""},
     };
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
         const size_t length = strlen(parts[i][1]), head = strlen(parts[i][0]);
@@ -233,6 +266,35 @@ static void depth_is_bounded(void **state) {
     }
 }
 
+/* Macros and constants that double 60 times are refused, or calculated once each. */
+static void doubling_is_bounded(void **state) {
+    (void)state;
+    char glsl[4000], *text = NULL;
+    size_t n = 0;
+    for (int i = 0; i < 60; ++i) {
+        n += (size_t)snprintf(glsl + n, sizeof glsl - n, "#define M%d M%d M%d\n", i, i + 1, i + 1);
+    }
+    snprintf(glsl + n, sizeof glsl - n, "M0\n");
+    assert_int_equal(btf_shader_wgsl(glsl, &log_keep, &text), BTF_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(last_message, "too many words"));
+    n = (size_t)snprintf(glsl, sizeof glsl, "int f(int x[4]) { const int c0 = 0;\n");
+    for (int i = 0; i < 60; ++i) {
+        n += (size_t)snprintf(glsl + n, sizeof glsl - n, "const int c%d = c%d + c%d;\n", i + 1, i, i);
+    }
+    snprintf(glsl + n, sizeof glsl - n, "return x[c60]; }\n");
+    assert_int_equal(btf_shader_wgsl(glsl, &log_keep, &text), BTF_OK);
+    btf_free(text);
+}
+
+/* Comments nest in WGSL: one that opens another would not end. */
+static void comments_that_nest_are_dropped(void **state) {
+    (void)state;
+    char *text = NULL;
+    assert_int_equal(btf_shader_wgsl("/* One /* two */ int f() { return 1; }", &log_keep, &text), BTF_OK);
+    assert_null(strstr(text, "two"));
+    btf_free(text);
+}
+
 /* The self-test's own text; one line of it is looked at here, and browsers run it. */
 static void the_self_test_is_translated(void **state) {
     (void)state;
@@ -248,6 +310,8 @@ int main(void) {
         cmocka_unit_test(constructs_are_translated),
         cmocka_unit_test(other_glsl_is_refused),
         cmocka_unit_test(depth_is_bounded),
+        cmocka_unit_test(doubling_is_bounded),
+        cmocka_unit_test(comments_that_nest_are_dropped),
         cmocka_unit_test(the_self_test_is_translated),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
