@@ -29,7 +29,7 @@ const FIREFOX = {
 export const CHROMIUM = ['--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-first-run',
     '--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage', '--disable-gpu-watchdog',
     '--disable-hang-monitor', '--enable-logging=stderr'];
-/* What the browsers print of a page's console: [level, text]. */
+/* Lines that the browsers print of a page's console: [level, text]. */
 const CONSOLE = {
     chromium: /^\[[^\]]*:(INFO|WARNING|ERROR):CONSOLE[^\]]*\] (.*)$/gm,
     firefox: /^(console\.(?:error|assert)|JavaScript error): (.*)$/gm,
@@ -83,7 +83,7 @@ function policyOf(pathname, data) {
     return POLICY.replace('script-src', ['script-src', ...maps.map((text) => `'sha256-${createHash('sha256').update(text).digest('base64')}'`)].join(' '));
 }
 
-/* What a browser says of how fast it draws is no error. */
+/* Lines about how fast a browser draws are no errors. */
 const HARMLESS = [/GL Driver Message \(OpenGL, Performance/];
 
 /** Of what a browser printed, what its console said that is not expected, and what is expected and was not said. */
@@ -110,8 +110,8 @@ function coreSeconds(group) {
     return ticks / 100;
 }
 
-/* A page that posts nothing for so long hangs: the longest step between two posts takes seconds, on a busy machine a minute. */
-const SILENT_MINUTES = 20;
+/* A page that posts nothing for so long hangs: the longest step between two posts takes seconds, on a busy machine minutes. */
+const SILENT_MINUTES = 60;
 
 /**
  * Runs a page in a browser until it posts to /done.
@@ -164,6 +164,7 @@ export async function runPage(browser, page, folders, posts, job, expected = [])
     const child = spawn(command, args, { stdio: ['ignore', 'pipe', 'pipe'], detached: true, env: { ...process.env, HOME: profile, VK_ICD_FILENAMES: LAVAPIPE } });
     let said = '';
     for (const stream of [child.stdout, child.stderr]) {
+        stream.setEncoding('utf8'); // a character may come in two parts
         stream.on('data', (data) => { said += data; });
     }
     const exited = new Promise((resolve) => { child.on('exit', (code, signal) => resolve(`${browser} ended by itself (${code ?? signal}):\n${said.slice(-4000)}`)); });

@@ -17,7 +17,7 @@ const square = (z, half) => ({ z, half });
 const HIGH = 0.2;
 const SQUARES = [square(-HIGH, Math.sqrt((1 - HIGH ** 2) / 2)), square(HIGH, 0.25)];
 
-/** What a light is in degrees, or a point; `reach` is the half angle of a cone towards the origin. */
+/** Scenes. A light comes from a direction, in degrees, or from a point; `reach` is the half angle of a cone towards the origin. */
 export const SCENES = [
     { name: 'plane', mesh: 'plane', zoom: 1, repeat: 2, view: [35, -70], lights: [{ theta: 40, phi: 120, intensity: 1.5 }] },
     { name: 'plane with reinhard', mesh: 'plane', zoom: 1, repeat: 2, view: [20, 30], tone: 'reinhard',

@@ -9,7 +9,7 @@ import { OpenBTFError } from './module.js';
 import { known } from './records.js';
 import { upload } from './webgl.js';
 
-/* What shader text of this file can be decoded by: a direction that is fixed or picked at random needs other text. */
+/* Options of decoding that the shader text of this file can take: a direction that is fixed or picked at random needs other text. */
 const DECODE = ['leaveOut', 'components', 'interpolation', 'filter', 'math'];
 
 /* Position, normal, tangent and uv, through everything by which three moves vertices. The tangent is not made a unit vector here:

@@ -21,7 +21,7 @@ export class Textures {
     readonly layout: GPUBindGroupLayout;
     /** The group that source() calls by option `group`: setBindGroup(group, bindGroup). */
     readonly bindGroup: GPUBindGroup;
-    /** What `layout` and `bindGroup` are made of, for a group of yours that has more in it. */
+    /** The entries that `layout` and `bindGroup` are made of, for a group of yours that has more in it. */
     readonly layoutEntries: GPUBindGroupLayoutEntry[];
     readonly entries: GPUBindGroupEntry[];
     /** A texture by its name in FORMAT.md, e.g. 'factor_texels'; null when it was not uploaded. */
@@ -35,8 +35,8 @@ export class Textures {
  * @param options those of source(): only the textures that this shader reads, from binding firstBinding on. Default: all.
  * @param visibility GPUShaderStage bits. Default FRAGMENT | COMPUTE.
  * UNSUPPORTED: no GPUDevice, or more than its limits maxTextureDimension2D, maxTextureArrayLayers (256 unless more is
- * required) or maxSampledTexturesPerShaderStage (the message has both numbers); MEMORY: WebGPU has none left. Nothing is left
- * behind then.
+ * required) or maxSampledTexturesPerShaderStage (the message has both numbers); USAGE: a firstBinding whose last binding is
+ * beyond 32 bits; MEMORY: WebGPU has none left. Nothing is left behind then, no error scope either.
  */
 export function upload(device: GPUDevice, material: Material, options?: ShaderOptions, visibility?: GPUShaderStageFlags): Promise<Textures>;
 

@@ -21,7 +21,7 @@ const FORMATS = {
     RGBA32UI: ['rgba32uint', 'uint'],
 };
 
-/* What a shader binds beside the material's textures, behind them: a fold, two tables of light sampling, then the zero. */
+/* Bindings of a shader behind those of the material's textures: a fold, two tables of light sampling, then the zero. */
 const ZERO_BEHIND = 3;
 const ZERO_BYTES = 16;
 
@@ -144,6 +144,10 @@ export async function upload(device, material, options = {}, visibility = undefi
     }
     const names = textureNames();
     const first = whole('option firstBinding', options.firstBinding);
+    const zeroBinding = first + names.length + ZERO_BEHIND;
+    if (zeroBinding > 0xFFFFFFFF) {
+        throw new OpenBTFError('USAGE', `option firstBinding: ${first} puts the last binding at ${zeroBinding}, beyond ${0xFFFFFFFF}`);
+    }
     const levels = new Map();
     for (const texture of list) {
         levels.set(texture.name, [...(levels.get(texture.name) ?? []), texture]);
@@ -151,11 +155,20 @@ export async function upload(device, material, options = {}, visibility = undefi
     const textures = new Textures(device);
     device.pushErrorScope('validation');
     device.pushErrorScope('out-of-memory');
-    levels.forEach((of, name) => textures.add(of, first + names.indexOf(name), stages));
-    textures.finish(first + names.length + ZERO_BEHIND, stages);
-    const memory = device.popErrorScope();
-    const invalid = device.popErrorScope();
-    const [noMemory, refused] = await Promise.all([memory, invalid]);
+    let thrown = null;
+    try {
+        levels.forEach((of, name) => textures.add(of, first + names.indexOf(name), stages));
+        textures.finish(zeroBinding, stages);
+    } catch (error) {
+        thrown = error;
+    }
+    // at once: what the caller does next belongs to no scope of this function
+    const scopes = [device.popErrorScope(), device.popErrorScope()];
+    const [[noMemory, refused], lost] = await Promise.all(scopes).then((errors) => [errors, null], (error) => [[], error]);
+    if (thrown || lost) {
+        textures.destroy();
+        throw thrown ?? lost;
+    }
     if (noMemory || refused) {
         textures.destroy();
         throw noMemory ? new OpenBTFError('MEMORY', `WebGPU has no memory left for textures: ${noMemory.message}`)

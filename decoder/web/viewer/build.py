@@ -66,7 +66,7 @@ def minified(style):
 
 
 def policy(script, style):
-    """What the page may do: run its own script and style, compile the module, show and save pictures; reach nothing."""
+    """The Content-Security-Policy, by which the page may run its own script and style, compile the module, show and save pictures, and reach nothing."""
     def digest(text):
         return "'sha256-" + base64_text(hashlib.sha256(text.encode()).digest()) + "'"
     return (f"default-src 'none'; script-src {digest(script)} 'wasm-unsafe-eval'; style-src {digest(style)}; "

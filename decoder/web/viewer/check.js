@@ -39,7 +39,9 @@ function link(gl, fragment) {
     }
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
-        throw new Error(`this device does not compile the shader: ${gl.getProgramInfoLog(program)}`);
+        const said = gl.getProgramInfoLog(program);
+        gl.deleteProgram(program);
+        throw new Error(`this device does not compile the shader: ${said}`);
     }
     return program;
 }
@@ -72,10 +74,13 @@ export function compareWithReference(gl, material, options) {
     }
     const wanted = new Uint32Array(material.evaluate(uv, light, view, { leaveOut: options.leaveOut, components: options.components,
         interpolation: options.interpolation, filter: options.filter, reference: true }).buffer);
-    const textures = upload(gl, material, options), made = [];
-    const program = link(gl, FRAGMENT(material.source(options)));
-    const framebuffer = gl.createFramebuffer(), array = gl.createVertexArray();
+    const made = [];
+    let textures, program, framebuffer, array;
     try {
+        textures = upload(gl, material, options);
+        program = link(gl, FRAGMENT(material.source(options)));
+        framebuffer = gl.createFramebuffer();
+        array = gl.createVertexArray();
         made.push(texture(gl, 0, gl.RGBA32UI, gl.RGBA_INTEGER, gl.UNSIGNED_INT, null));
         gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
         gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, made[0], 0);
@@ -102,9 +107,9 @@ export function compareWithReference(gl, material, options) {
         return { values: 3 * count, different };
     } finally {
         made.forEach((name) => gl.deleteTexture(name));
-        gl.deleteFramebuffer(framebuffer);
-        gl.deleteVertexArray(array);
-        gl.deleteProgram(program);
-        textures.destroy();
+        gl.deleteFramebuffer(framebuffer ?? null);
+        gl.deleteVertexArray(array ?? null);
+        gl.deleteProgram(program ?? null);
+        textures?.destroy();
     }
 }

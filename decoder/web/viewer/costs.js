@@ -1,4 +1,4 @@
-/* What each effect of a material costs and gives: dB that the encoder measured or estimated, bytes that a decode reads, and time on
+/* Costs and gains of each effect of a material: dB that the encoder measured or estimated, bytes that a decode reads, and time on
  * this device.
  *
  * SPDX-License-Identifier: MIT
@@ -89,7 +89,7 @@ class Between {
     }
 }
 
-/** What a file's tables say of its material. */
+/** Reads a file's tables of errors: how near its material comes to the samples. */
 export class Quality {
     #material;
     #between;

@@ -1,9 +1,9 @@
-/* What this device is and can do, in words.
+/* Describes this device in words: its name, its limits, the verdict of the self-test.
  *
  * SPDX-License-Identifier: MIT
  */
 
-/* What the rules of the self-test are about (BTF_SELF_TEST_LIST of openbtf/shader.h). */
+/* In words, what is wrong on a device that fails a rule of the self-test (BTF_SELF_TEST_LIST of openbtf/shader.h). */
 const RULES = {
     contraction: 'products and sums are rounded once',
     reassociation: 'sums or products are regrouped',
@@ -26,7 +26,7 @@ export function verdict({ failures, names }) {
     return { exact: false, words: `Not exact: ${reasons.join(', ')}. The picture may differ from what the format defines, and quicker arithmetic is used.` };
 }
 
-/** What draws, as the browser tells it. */
+/** The name of the device that draws, as the browser tells it. */
 export function deviceName(gl) {
     const name = String(gl.getParameter(gl.RENDERER));
     // Firefox says it there already, and warns of those who ask for more

@@ -1,4 +1,4 @@
-/* What the page holds beside its text: the WebAssembly module and materials, as base64 in elements of their own.
+/* Data that the page holds beside its text: the WebAssembly module and materials, as base64 in elements of their own.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -135,7 +135,7 @@ export class Sampler {
         this.total = total;
     }
 
-    /* What is negative or no number counts as 0. */
+    /* Of a pixel; values that are negative or no number count as 0. */
     #luminance(index, pixels) {
         let sum = 0;
         for (let c = 0; c < 3; c++) {

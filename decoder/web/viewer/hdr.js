@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 const MOST_PIXELS = 2 ** 25;
+const MOST_HEADER = 65536, MOST_LINE = 4096; // bytes
 
 class Bytes {
     constructor(data) {
@@ -19,10 +20,11 @@ class Bytes {
 
     /** A line of text without its end. */
     line() {
-        const end = this.data.indexOf(10, this.at);
-        if (end < 0 || end - this.at > 4096) {
-            throw new Error('the header does not end');
+        const length = this.data.subarray(this.at, Math.min(this.at + MOST_LINE, MOST_HEADER)).indexOf(10);
+        if (length < 0) {
+            throw new Error(`the header does not end: at most ${MOST_HEADER} bytes are read, and ${MOST_LINE} of a line`);
         }
+        const end = this.at + length;
         const text = String.fromCharCode(...this.data.subarray(this.at, end));
         this.at = end + 1;
         return text.trimEnd();
@@ -98,6 +100,9 @@ export function readHdr(data) {
     const [height, width] = [Number(size[1]), Number(size[2])];
     if (!width || !height || width * height > MOST_PIXELS) {
         throw new Error(`${width} x ${height} pixels; at most ${MOST_PIXELS} are read`);
+    }
+    if (height > width) {
+        throw new Error(`${width} x ${height} pixels: an environment of latitude and longitude is wider than high`);
     }
     const pixels = new Float32Array(3 * width * height), row = new Uint8Array(4 * width);
     for (let y = 0; y < height; y++) {

@@ -26,12 +26,14 @@ const inPage = materials();
 let renderer, stage, panel, ball, splitLine;
 let shown = null; // { material: open, asked: the one that was opened, title, name: of those in the page or '', quality }
 let times; // milliseconds by effect, of the settings as they were measured
+let timed = 0; // counts what makes such times untrue: another material, other settings, another context
 let circling = 0; // the time of the latest step of a light that circles
 let hashTimer = 0;
 let loading = Promise.resolve(); // materials are opened one after the other
 
 function say(text) {
     byId('said').textContent = text;
+    note('said', text);
     clearTimeout(say.timer);
     say.timer = setTimeout(() => { byId('said').textContent = ''; }, 6000);
 }
@@ -99,6 +101,7 @@ function changed(what) {
     }
     if (!SAME_TIME.includes(what)) {
         times = undefined;
+        timed += 1;
         stage.forgetTime();
     }
     if (shown && ['out', 'units', 'interpolation', 'filter', 'picks', 'math', 'all'].includes(what)) {
@@ -202,18 +205,21 @@ async function followLink() {
 }
 
 async function measure() {
-    const button = byId('measure'), { info } = shown.material;
+    const button = byId('measure'), { info } = shown.material, { out } = state, begun = timed;
     const plain = { ...state, compare: 'off', environment: 'none', sun: state.sun || 1 };
-    const current = info.effects.filter((effect) => !state.out.includes(effect));
+    const current = info.effects.filter((effect) => !out.includes(effect));
     const costly = info.effects.filter((effect) => effect !== 'residual' || info.colour !== 'none' || current.length > 1);
-    const flip = (effect) => (state.out.includes(effect) ? state.out.filter((other) => other !== effect) : [...state.out, effect]);
+    const flip = (effect) => (out.includes(effect) ? out.filter((other) => other !== effect) : [...out, effect]);
     button.disabled = true;
     stage.pause();
     try {
         const [now, ...others] = await timeStates(renderer, [plain, ...costly.map((effect) => ({ ...plain, out: flip(effect) }))],
             (done, of) => { button.textContent = `Measuring, ${done} of ${of}`; });
+        if (timed !== begun || renderer.gl.isContextLost()) {
+            throw new Error('the material, its settings or the graphics device changed meanwhile');
+        }
         times = { '': now };
-        costly.forEach((effect, i) => { times[effect] = state.out.includes(effect) ? others[i] - now : now - others[i]; });
+        costly.forEach((effect, i) => { times[effect] = out.includes(effect) ? others[i] - now : now - others[i]; });
         note('measured', now.toFixed(2));
         showCosts();
         say(`${now.toFixed(1)} ms a picture of 512 × 512: ${(1000 / now).toFixed(now > 100 ? 1 : 0)} a second`);
@@ -336,17 +342,18 @@ function listenLoss() {
         complain('The graphics device was lost, and will be back in a moment.');
     });
     canvas.addEventListener('webglcontextrestored', () => {
-        const { asked, material } = shown;
+        const { asked, material } = shown, own = renderer.ownEnvironment;
+        timed += 1;
         begin(renderer.gl);
+        if (own) {
+            renderer.setOwnEnvironment(own);
+        }
         const drawn = renderer.setMaterial(asked);
         if (material !== asked) {
             material.close();
         }
-        shown.material = drawn;
+        Object.assign(shown, { material: drawn, quality: new Quality(drawn) });
         byId('message').hidden = true;
-        if (state.environment === 'own') {
-            state.environment = 'none';
-        }
         stage.change();
     });
 }

@@ -10,7 +10,7 @@ const NAMES = { plane: 'Plane', sphere: 'Sphere', cylinder: 'Tube', torus: 'Toru
 const WORDS = {
     shadow: 'Shadow', shift: 'Shift', hidden: 'Hidden', gain: 'Gain', residual: 'Residual', relief: 'Relief', gloss: 'Gloss',
 };
-/* What an effect is, for those who hover over or hear its name. */
+/* The meaning of each effect, for those who hover over or hear its name. */
 const MEANINGS = {
     shadow: 'Where the surface shadows itself', shift: 'Texels move as the view changes', hidden: 'Points that others hide from a view',
     gain: 'Brightness of each texel by view', residual: 'What the rest of the model leaves over', relief: 'A height map that moves texels between the sampled views',

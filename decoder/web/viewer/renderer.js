@@ -11,7 +11,7 @@ import { Programs } from './programs.js';
 import { MEAN_FRAGMENT, MODEL_VERTEX, MOST_LIGHTS, PICTURE_FRAGMENT, SCREEN_VERTEX, modelFragment } from './shaders.js';
 import { Targets } from './targets.js';
 
-/** Lights of an environment in one sample: few while something moves. */
+/** Lights of an environment in one sample. */
 const ENVIRONMENT_LIGHTS = 4;
 
 const halton = (index, base) => {
@@ -29,7 +29,7 @@ export function shaderOptions(state, out = state.out) {
         picks: state.picks };
 }
 
-/** What the right part of a split picture leaves out; null where there is none. */
+/** The effects that the right part of a split picture leaves out; null where the picture is not split. */
 export function comparedOut(state, info) {
     switch (state.compare) {
     case 'off':
@@ -51,7 +51,7 @@ export class Renderer {
     #material;
     #textures;
     #mesh = {};
-    #environments = new Map(); // by name: { texture, sampler }
+    #environments = new Map(); // by name: { image, texture, sampler }
     #view; // of the latest sample
     #empty;
 
@@ -129,6 +129,11 @@ export class Renderer {
         this.#addEnvironment('own', shrunk(image));
     }
 
+    /** The user's own environment, no wider than it is drawn; null where there is none. */
+    get ownEnvironment() {
+        return this.#environments.get('own')?.image ?? null;
+    }
+
     #forgetEnvironment(name) {
         this.#gl.deleteTexture(this.#environments.get(name)?.texture ?? null);
         this.#environments.delete(name);
@@ -151,7 +156,7 @@ export class Renderer {
         gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
         gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.REPEAT);
         gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
-        this.#environments.set(name, { texture, sampler: new Sampler(image) });
+        this.#environments.set(name, { image, texture, sampler: new Sampler(image) });
     }
 
     #environment(state) {

@@ -1,4 +1,4 @@
-/* What the viewer shows, as one plain object, and the same as the text behind # of a link.
+/* The view that is shown, as one plain object, and the same as the text behind # of a link.
  *
  * SPDX-License-Identifier: MIT
  */

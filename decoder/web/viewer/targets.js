@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 
-/** What this device can draw to: formats of a sample and of the mean. Without floats there is no mean of several samples. */
+/** Formats that this device can draw to: of a sample and of the mean. Without floats there is no mean of several samples. */
 export function formats(gl) {
     if (gl.getExtension('EXT_color_buffer_float')) {
         return { sample: gl.RGBA16F, mean: gl.RGBA32F, floats: true };

@@ -1,4 +1,4 @@
-/* What is compared on: options and planes of test vectors, bits that differ, texts that are made wrong.
+/* Parts of comparisons: options and planes of test vectors, bits that differ, texts that are made wrong.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -6,6 +6,14 @@
 /** Every URL that a page in a frame asked for, once the frame is closed. */
 export const asked = [];
 
+/** URLs that the policy of a page kept from being asked for, here and in the frames. */
+export const refused = [];
+
+/** Listens to a document's refused requests. */
+export function watch(of) {
+    of.addEventListener('securitypolicyviolation', (event) => refused.push(event.blockedURI));
+}
+
 /** A page in a frame, once it has loaded. */
 export async function openFrame(url, width = 600, height = 600) {
     const frame = document.createElement('iframe');
@@ -13,6 +21,7 @@ export async function openFrame(url, width = 600, height = 600) {
     const loaded = new Promise((resolve) => { frame.onload = resolve; });
     document.body.append(frame);
     await loaded;
+    watch(frame.contentDocument);
     return frame;
 }
 

@@ -4,8 +4,8 @@
  * SPDX-License-Identifier: MIT
  */
 import { load } from '/package/index.js';
+import { watch } from './frame.js';
 import { json, note, post } from './post.js';
-import { watch } from './requests.js';
 
 const fail = (error) => post('/done', error?.stack ? `${error.message}\n${error.stack}` : String(error));
 window.addEventListener('error', ({ error, message }) => fail(error ?? message));

@@ -1,4 +1,4 @@
-/* What a page tells the server that runs the test.
+/* Messages of a page to the server that runs the test.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -2,16 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-import { asked } from './frame.js';
+import { asked, refused } from './frame.js';
 import { report } from './post.js';
-
-/* What the policy of a page kept from leaving, here and in the frames. */
-const refused = [];
-
-/** Listens to a document's refused requests. */
-export function watch(of) {
-    of.addEventListener('securitypolicyviolation', (event) => refused.push(event.blockedURI));
-}
 
 export async function run() {
     const own = performance.getEntriesByType('resource').map(({ name }) => name);

@@ -8,12 +8,12 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { CHROMIUM } from '../browser.mjs';
 
-const HANG_MS = 600000; // what takes so long has hung, also on a busy machine
+const HANG_MS = 3600000; // a wait of an hour has hung, also on a busy machine
 /* Pixels of the screen a CSS pixel: few, for they are drawn by software. BTF_PICTURES_SCALE=1 for pictures to look at. */
 const SCALE = Number(process.env.BTF_PICTURES_SCALE ?? 0.25);
 const sleep = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
 
-/* What a page gets before its own scripts: counts of WebGL objects that are alive. */
+/* A script that a page gets before its own: counts of WebGL objects that are alive. */
 const COUNT_OBJECTS = `(() => {
     window.alive = {};
     for (const kind of ['Texture', 'Buffer', 'Program', 'Shader', 'Framebuffer', 'Renderbuffer', 'VertexArray']) {
@@ -37,8 +37,11 @@ export class Browser {
     constructor() {
         this.#child = spawn('chromium', [...CHROMIUM, '--remote-debugging-pipe', '--hide-scrollbars', '--window-size=1000,720', '--allow-file-access-from-files=false',
             `--user-data-dir=${this.#profile}`], { stdio: ['ignore', 'ignore', 'pipe', 'pipe', 'pipe'], detached: true, env: { ...process.env, HOME: this.#profile } });
+        // a character may come in two parts
+        this.#child.stderr.setEncoding('utf8');
+        this.#child.stdio[4].setEncoding('utf8');
         this.#child.stderr.on('data', (data) => { this.#said = (this.#said + data).slice(-2000); });
-        this.#child.stdio[4].on('data', (data) => this.#received(data.toString()));
+        this.#child.stdio[4].on('data', (text) => this.#received(text));
         this.#child.stdio[3].on('error', () => {}); // it has ended: exit says so
         this.#child.on('exit', (code) => this.#waiting.forEach(({ reject }) => reject(new Error(`chromium ended (${code}): ${this.#said}`))));
         process.on('exit', () => this.#kill());
@@ -106,7 +109,7 @@ export class Browser {
 }
 
 class Page {
-    /** What went wrong in the page: uncaught errors and console messages of the level error or warning. */
+    /** Faults of the page: uncaught errors and console messages of the level error or warning. */
     errors = [];
     /** URLs that the page asked for. */
     requests = [];
@@ -147,7 +150,7 @@ class Page {
         const end = Date.now() + HANG_MS;
         while (!(await this.evaluate(`Boolean(document.body && (${expression}))`))) {
             if (Date.now() > end) {
-                const state = await this.evaluate('JSON.stringify({ ...document.documentElement.dataset, said: document.getElementById("said")?.textContent, message: document.getElementById("message-text")?.textContent })');
+                const state = await this.evaluate('JSON.stringify({ ...document.documentElement.dataset, message: document.getElementById("message-text")?.textContent })');
                 throw new Error(`not within ${HANG_MS / 1000} s: ${expression}; ${state}; ${this.errors.join('; ')}`);
             }
             await sleep(50);

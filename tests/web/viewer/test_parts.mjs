@@ -46,6 +46,9 @@ await test('viewer parts: .hdr files that are wrong are refused in words', () =>
         [hdr(2, 1, [1, 2, 3, 4, 1, 1, 1, 9]), /a run is longer than its row/],
         [hdr(2, 1, [], 'FORMAT=32-bit_rle_xyze\n'), /FORMAT is 32-bit_rle_xyze/],
         [hdr(99999, 99999, []), /99999 x 99999 pixels; at most/],
+        [hdr(1000, 20000, []), /^Error: 1000 x 20000 pixels: .* wider than high/],
+        [hdr(8, 4, [], 'A=1\n'.repeat(20000)), /header does not end: at most 65536 bytes/],
+        [hdr(8, 4, [], `A=${'1'.repeat(5000)}\n`), /header does not end/],
     ]) {
         assert.throws(() => readHdr(data), pattern);
     }

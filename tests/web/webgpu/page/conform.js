@@ -202,14 +202,14 @@ async function compareDrawn(gpu, name) {
     await report(`drawn: ${name}, ${3 * side * side} values, 0 bits differ`, different ? `${different} values differ` : '');
 }
 
-/** What is refused, and what an upload says of itself. */
+/** Uploads that are refused, and the facts that an upload tells of itself. */
 async function checkUpload(gpu, name) {
     const material = await open(await bytes(`/golden/${name}`));
-    const refuses = async (pattern, body) => {
+    const refuses = async (pattern, body, code = 'UNSUPPORTED') => {
         try {
             await body();
         } catch (error) {
-            return error instanceof OpenBTFError && error.code === 'UNSUPPORTED' && pattern.test(error.message) ? '' : String(error.stack);
+            return error instanceof OpenBTFError && error.code === code && pattern.test(error.message) ? '' : String(error.stack);
         }
         return 'nothing is refused';
     };
@@ -217,6 +217,8 @@ async function checkUpload(gpu, name) {
     const limited = Object.create(gpu, { limits: { value: { maxTextureDimension2D: 2, maxTextureArrayLayers: 256, maxSampledTexturesPerShaderStage: 16 } } });
     await report('upload refuses a texture that is too large, with both numbers',
         await refuses(/: a side of \d+ exceeds maxTextureDimension2D 2; /, () => upload(limited, material)) || (fits(limited, material) ? 'fits says yes' : ''));
+    await report('upload refuses bindings beyond 32 bits', await refuses(/^option firstBinding: 4294967290 /,
+        () => upload(gpu, material, wgsl({ firstBinding: 4294967290 })), 'USAGE'));
     const textures = await upload(gpu, material, wgsl({ group: 0, firstBinding: 40 }));
     const sum = material.textures(wgsl({})).reduce((total, { data }) => total + data.byteLength, 0);
     const bindings = textures.layoutEntries.map(({ binding }) => binding);
