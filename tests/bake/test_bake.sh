@@ -107,6 +107,10 @@ expect 'other settings' 2 small -o whole --samples 5
 expect_text 'name what differs' 'samples was 4, now 5' err
 expect 'another scene' 2 btf-bake white.blend -o whole --texels 8 --directions tiny --samples 4
 expect_text 'too' 'scene_sha256 was' err
+cp -r whole unsaved
+sed -i 's/"scene_sha256": ".*"/"scene_sha256": ""/' unsaved/bake.json
+expect 'a folder begun with an unsaved scene' 0 small -o unsaved
+expect_text 'is warned of' 'unsaved/bake.json: unsaved changes of the scene have no hash' err
 cp white.blend lost.blend
 expect 'a scene that names a file' 0 in_blender lost.blend --python-exit-code 9 --python-expr 'import bpy
 bpy.data.images.new("own", 4, 4).save_render("leaf.png")
