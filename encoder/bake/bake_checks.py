@@ -16,7 +16,7 @@ LEAST_PROBE = 64      # pixels along the shorter side of a probe
 
 
 class Probe:
-    """What the rays of one view meet: depth and position of each, and the radiance of the scene without the sun."""
+    """The points that the rays of one view meet: depth and position of each, and the radiance of the scene without the sun."""
 
     def __init__(self, baking, view, path, factor=1):
         scene, s = baking.scene, baking.settings

@@ -73,7 +73,7 @@ def _material_missing(drawn):
 
 
 class Bounds:
-    """What the tile's own geometry fills, and of how many triangles it is, as the viewport evaluates it."""
+    """The box that the tile's own geometry fills, and the number of its triangles, as the viewport evaluates it."""
 
     def __init__(self, depsgraph):
         self.low, self.high = numpy.full(3, numpy.inf), numpy.full(3, -numpy.inf)

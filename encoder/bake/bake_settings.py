@@ -5,6 +5,7 @@ SPDX-License-Identifier: MIT
 import dataclasses
 import json
 import math
+import os
 
 import bake_directions
 
@@ -55,9 +56,9 @@ class Settings:
         need(all(math.isfinite(number) for number in numbers), f'numbers must be finite: {numbers}')
         need(self.tile[2] > 0 and self.tile[3] > 0,
              f'--tile: a tile of {self.tile[2]:g} x {self.tile[3]:g} has no area')
+        need(all(1 <= side <= 8192 for side in self.texels), f'--texels: {self.texels} are not within 1..8192')
         # Blender's limit of the shape of a pixel, which carries the ratio.
         shape = self.tile[2] * self.texels[1] / (self.tile[3] * self.texels[0])
-        need(all(1 <= side <= 8192 for side in self.texels), f'--texels: {self.texels} are not within 1..8192')
         need(1 / 200 <= shape <= 200, f'--tile, --texels: a texel is {shape:g} times as wide as high, not within 1/200..200')
         need(1 <= self.samples <= 65536, f'--samples: {self.samples} is not within 1..65536')
         need(0 <= self.bounces <= 1024, f'--bounces: {self.bounces} is not within 0..1024')
@@ -67,6 +68,9 @@ class Settings:
         need(0 <= self.threads <= 1024, f'--threads: {self.threads} is not within 1..1024')
         need(1 <= self.part[0] <= self.part[1] <= 100000, f'--part: {self.part[0]}/{self.part[1]} is not 1/N..N/N')
         need(self.output or self.preview or self.position, 'no output: -o DIR, --position DIR or --preview FILE.png')
+        if self.output and self.position:
+            need(os.path.realpath(self.output) != os.path.realpath(self.position),
+                 f'--position: {self.position} is the folder of the images: positions need one of their own')
         self.lists()
 
     def lists(self):
@@ -96,7 +100,7 @@ class Settings:
         return self.images()[self.part[0] - 1::self.part[1]]
 
     def record(self):
-        """What decides the values of the images, for the file that says how a data set was made."""
+        """Those settings that decide the values of the images, for the file that says how a data set was made."""
         kept = ('collection', 'objects', 'tile', 'z', 'repeat', 'texels', 'samples', 'bounces', 'sun_angle', 'seed', 'frame')
         record = {name: getattr(self, name) for name in kept}
         if self.objects:

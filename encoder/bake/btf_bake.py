@@ -9,7 +9,7 @@ Within Blender, as an add-on does, put this folder on sys.path and call
     import btf_bake
     btf_bake.run(btf_bake.Settings(output='/tmp/cloth', texels=(32, 32), directions='small'))
 
-for the file that is open. README.md beside this file says what is baked, and how.
+for the file that is open. README.md beside this file explains what is baked, and how.
 
 SPDX-License-Identifier: MIT
 """
@@ -32,7 +32,7 @@ from bake_settings import BAD_FILE, INTERNAL, IO, UNSUPPORTED, BakeError, Settin
 
 settings = Settings  # either name
 
-RECORD = 'bake.json'  # in the folder of a data set: how it was made
+RECORD = 'bake.json'  # in the folder of a data set or of positions: how it was made
 PREVIEW_VIEWS = ((0.0, 0.0), (45.0, 60.0), (75.0, 300.0))
 PREVIEW_LIGHTS = ((0.0, 0.0), (45.0, 180.0), (60.0, 90.0), (75.0, 0.0))
 
@@ -93,6 +93,9 @@ class Output:
 
 
 def _runs(pid):
+    """Whether a process of this machine runs, as far as can be told: True is the answer that deletes nothing."""
+    if os.name == 'nt':  # os.kill would end it there
+        return True
     try:
         os.kill(int(pid), 0)
     except ProcessLookupError:
@@ -120,11 +123,11 @@ class DoneList:
                     seconds = {line.rstrip('\n').split('\t', 1)[1]: line.split('\t', 1)[0]
                                for line in file if line.endswith('\n') and '\t' in line}
             beside = os.path.join(output.folder, '.' + os.path.basename(self.path))
-            self.file = open(beside, 'w', encoding='utf-8')
-            for name in there:
-                self.file.write(f'{seconds.get(name, "?")}\t{name}\n')
-            self.file.flush()
+            with open(beside, 'w', encoding='utf-8') as file:
+                for name in there:
+                    file.write(f'{seconds.get(name, "?")}\t{name}\n')
             os.replace(beside, self.path)
+            self.file = open(self.path, 'a', encoding='utf-8')  # only now: Windows renames no open file
         except OSError as error:
             raise _unwritable(error, self.path) from None
 
@@ -154,7 +157,22 @@ def _record(settings):
     record['scene'] = os.path.basename(bpy.data.filepath)
     # What was changed since it was saved, as an add-on may find it, has no hash.
     record['scene_sha256'] = '' if bpy.data.is_dirty or not bpy.data.filepath else _file_hash(bpy.data.filepath)
+    record['linked_sha256'] = _linked_hash(bpy.utils.blend_paths(absolute=True))
     return record
+
+
+def _linked_hash(paths):
+    """One hash of the contents of the images, libraries and caches that a scene names. Not of their paths, which another
+    machine has elsewhere. Empty where there is none."""
+    found = sorted(_file_hash(path) for path in set(paths) if os.path.isfile(path))
+    return hashlib.sha256(' '.join(found).encode()).hexdigest() if found else ''
+
+
+def _position_record(record):
+    """Of a record, those parts that decide where texels look. `holds` tells the folder from that of images."""
+    kept = ('collection', 'objects', 'tile', 'z', 'repeat', 'texels', 'frame', 'blender', 'scene', 'scene_sha256',
+            'linked_sha256')
+    return {'holds': 'positions', **{name: record[name] for name in kept}}
 
 
 def compare_record(record, output, report):
@@ -173,9 +191,14 @@ def compare_record(record, output, report):
         raise _unwritable(error, path) from None
     except ValueError as error:
         raise BakeError(IO, f'{path}: {error}') from None
+    if not isinstance(before, dict):
+        raise BakeError(IO, f'{path}: not a record of a bake')
+    before.setdefault('linked_sha256', '')  # of versions before it
     differ = [name for name in record if before.get(name) != record[name]]
-    if 'scene_sha256' in differ and '' in (record['scene_sha256'], before.get('scene_sha256')):
-        differ.remove('scene_sha256')
+    if not (record['scene_sha256'] and before.get('scene_sha256')):
+        report('warning', text=f'{path}: unsaved changes of the scene have no hash: nothing tells whether the files that are '
+               'there are of the same scene')
+        differ = [name for name in differ if name != 'scene_sha256']
     for name in [name for name in differ if name not in ('blender', 'scene')]:
         was, now = ('other ones', 'these') if name == 'images' else (before.get(name), record[name])
         raise BakeError(IO, f'{path}: begun with other settings: {name} was {was}, now {now}; take another folder, the settings '
@@ -186,7 +209,7 @@ def compare_record(record, output, report):
 
 
 def write_record(record, output):
-    """Writes the record of a data set, which other parts may do at the same time: it is the same file."""
+    """Writes the record of a folder, which other parts may do at the same time: it is the same file."""
     output.write(RECORD, (json.dumps(record, indent=1) + '\n').encode())
 
 
@@ -292,22 +315,27 @@ def run(settings, report=None):
     scratch = tempfile.mkdtemp(prefix='btf-bake-')
     path = os.path.join(scratch, 'rendered.exr')
     try:
+        if settings.output or settings.position:
+            record = _record(settings)
         if settings.output:
             output = Output(settings.output)
-            record = _record(settings)
             begun = compare_record(record, output, report)
         if settings.position:
             position = Output(settings.position)
+            places = _position_record(record)
+            placed = compare_record(places, position, report)
         with bake_scene.BakeScene(settings) as baking:
             bake_checks.check(baking, views, lights, path, report)
             triangles, rendered = baking.bounds.triangles, 0
+            if output and not begun:
+                write_record(record, output)
+            if position and not placed:
+                write_record(places, position)
             if settings.preview:
                 render_preview(settings, baking, path, report)
             if position:
                 render_positions(settings, baking, position, views, path, report)
             if output:
-                if not begun:
-                    write_record(record, output)
                 rendered = render_images(settings, baking, output, path, report)
     finally:
         for each in (output, position):
@@ -329,7 +357,9 @@ def main():
             pipe.write(json.dumps({'kind': kind, **values}) + '\n')
             pipe.flush()
         except BrokenPipeError:  # the driver was killed, and did not remove its folder
-            shutil.rmtree(os.path.dirname(path), ignore_errors=True)
+            folder = os.path.dirname(path)
+            if os.path.basename(folder).startswith('btf-bake-'):  # not where someone else keeps settings
+                shutil.rmtree(folder, ignore_errors=True)
             os._exit(bake_settings.INTERRUPTED)
 
     try:

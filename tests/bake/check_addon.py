@@ -152,9 +152,13 @@ def check_bakes(encoder):
         time.sleep(0.01)
     bad.close()
     report('addon-job-error', "'none'" in bad.error, bad.error)
-    stopped = job.Job(own.settings(bpy.context, output=os.path.abspath('stopped')))
+    stopped = job.Job(own.settings(bpy.context, output=os.path.abspath('stopped'), samples=1024))
+    while not stopped.done and '25' not in stopped.said:  # as Esc does while images are rendered
+        stopped.poll()
+        time.sleep(0.01)
+    rendering = not stopped.done
     stopped.close()
-    report('addon-job-stops', stopped.done and len(images('stopped')) < 25, f'{images("stopped")}')
+    report('addon-job-stops', rendering and stopped.done and len(images('stopped')) < 25, f'{images("stopped")}')
 
 
 def check_refusals():

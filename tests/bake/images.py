@@ -1,4 +1,4 @@
-"""What the images of a bake have to hold. Each check prints what it measured; exit code 1 where it does not hold.
+"""Checks of the images of a bake. Each prints what it measured; exit code 1 where it does not hold.
 
     images.py white DIR                   every texel is cos(theta_l)
     images.py post DIR                    of `axes` from above: shadows fall away from the light, bands lie where they belong

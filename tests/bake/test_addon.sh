@@ -4,6 +4,10 @@
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh"
 zip=$BTF_SOURCE_ROOT/encoder/bake/addon/zip.py
+command -v blender >/dev/null || {
+    report 'Blender' failed 'there is no blender: install the packages of .ci/packages-bake.txt, or leave the suite bake out'
+    finish
+}
 
 expect zip-is-made 0 python3 "$zip" addon.zip 1.2.3
 expect again 0 python3 "$zip" again.zip 1.2.3
@@ -34,8 +38,8 @@ for name, place, size in ('block', (0.5, 0.5, -0.5), (1, 1, 0.8)), ('post', (0.4
 bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath('scene.blend'))
 S
 expect scene 0 blender -b --factory-startup --python-exit-code 1 -P scene.py
-mkdir scripts
-BLENDER_USER_SCRIPTS=$work/scripts BLENDER_USER_CONFIG=$work/config blender -b scene.blend --python-exit-code 1 \
+mkdir scripts scratch
+TMPDIR=$work/scratch BLENDER_USER_SCRIPTS=$work/scripts BLENDER_USER_CONFIG=$work/config blender -b scene.blend --python-exit-code 1 \
     -P "$BTF_SOURCE_ROOT/tests/bake/check_addon.py" -- "$work/addon.zip" "$build/encoder/btf-encode" >used 2>err
 code=$?
 grep -vE '^(Fra:|Saved:| Time:|Blender|Read|Info:|$)' used
@@ -43,5 +47,7 @@ grep -vE '^(Fra:|Saved:| Time:|Blender|Read|Info:|$)' used
     failures=$((failures + 1))
     tail -n 20 used err
 }
+left_over() { find scratch -name 'btf-*' | grep .; }
+expect nothing-is-left-in-the-scratch-folder 1 left_over
 
 finish

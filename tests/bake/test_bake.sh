@@ -34,6 +34,14 @@ expect_that 'is where the relief is' images positions positions
 expect 'from the ground up' 0 btf-bake axes.blend --position grounded --texels 32 --directions tiny --z -0.125
 expect_text 'the post protrudes' "'post' protrudes by 0.125 above the reference plane at z = -0.125" err
 expect_that 'and the ground stays where it is' images grounded grounded
+expect 'again, at another height' 2 btf-bake axes.blend --position positions --texels 32 --directions tiny --z -0.125
+expect_text 'is refused' 'positions/bake.json: begun with other settings: z was 0.0, now -0.125' err
+expect 'with other texels' 2 btf-bake axes.blend --position positions --texels 16 --directions tiny
+expect_text 'too' 'texels was \[32, 32\], now \[16, 16\]' err
+expect 'more views' 0 btf-bake axes.blend --position positions --texels 32 --directions 15:1 -q
+expect_that 'go into the same folder' test -f positions/tv015_pv000.exr
+expect 'positions among images' 2 btf-bake axes.blend --position post --texels 32 --directions tiny
+expect_text 'are refused' 'post/bake.json: begun with other settings: holds' err
 
 oblique() { in_blender waves.blend --python "$here/oblique.py" --python-exit-code 9 -- "$BTF_SOURCE_ROOT" "$work" && cat oblique.txt; }
 expect 'an ordinary camera' 0 oblique
@@ -99,6 +107,21 @@ expect 'other settings' 2 small -o whole --samples 5
 expect_text 'name what differs' 'samples was 4, now 5' err
 expect 'another scene' 2 btf-bake white.blend -o whole --texels 8 --directions tiny --samples 4
 expect_text 'too' 'scene_sha256 was' err
+cp -r whole unsaved
+sed -i 's/"scene_sha256": ".*"/"scene_sha256": ""/' unsaved/bake.json
+expect 'a folder begun with an unsaved scene' 0 small -o unsaved
+expect_text 'is warned of' 'unsaved/bake.json: unsaved changes of the scene have no hash' err
+cp white.blend lost.blend
+expect 'a scene that names a file' 0 in_blender lost.blend --python-exit-code 9 --python-expr 'import bpy
+bpy.data.images.new("own", 4, 4).save_render("leaf.png")
+bpy.data.images.load(bpy.path.abspath("//leaf.png")).use_fake_user = True
+bpy.ops.wm.save_mainfile()'
+once() { btf-bake lost.blend -o lost --texels 8 --directions 0:1 --samples 1 -q; }
+expect 'its bake' 0 once
+expect 'once more' 0 once
+echo changed >>leaf.png
+expect 'after a change of that file' 2 once
+expect_text 'is another one' 'linked_sha256 was' err
 mkdir strange && touch strange/notes
 expect 'a folder of something else' 2 small -o strange
 expect_text 'is named' "strange: holds 'notes'" err
@@ -130,6 +153,9 @@ head -c 3000 white.blend >cut.blend
 bad 'a scene that is cut off' 3 'cannot read it' cut.blend -o bad
 bad 'no Blender' 5 "'nowhere/blender': there is no such program" white.blend -o bad --blender nowhere/blender
 bad 'an old Blender' 5 'Blender 2.79' white.blend -o bad --blender ./old
+expect 'no texels' 1 btf-bake white.blend -o bad --texels 0
+expect_text 'are not divided by' '--texels: \(0, 0\) are not within 1..8192' err
+bad 'positions in the folder of the images' 1 'is the folder of the images' white.blend -o bad --position ./bad
 bad 'no output' 1 'no output' white.blend
 bad 'encoding options without encoding' 1 'run.* with --encode' white.blend -o bad -- --budget 1MB
 bad 'faults' 0 "'leaf' protrudes by 0.05 above the reference plane at z = 0" faults.blend -o faults

@@ -10,7 +10,7 @@
 # encodes that ended are kept. tests/data/readme/made.txt says of each name which commit it was made from.
 #
 # Parts that time (bench, growth, plan, stochastic, pathtrace; viewer shows a time) want an idle machine. bench, storage,
-# growth and relief take up to 10 core minutes each, plan longer, the others a few minutes.
+# growth and relief take up to 10 core minutes each, plan longer, bake more than an hour, the others a few minutes.
 # Samples of others are looked for in $BTF_SHARED/data (default ../shared/data), and what needs them is left as it is
 # where they are not there. Numbers in running text, tables without marks (peers and presets of README.md and
 # tests/bench/README.md, encoder/nodes/FIT.md, the others of encoder/relief/RELIEF.md, FORMAT.md section 12) are not written by any

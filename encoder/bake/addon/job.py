@@ -35,7 +35,9 @@ class Job:
             os.set_blocking(self._pipe, False)
             try:
                 self._start([bpy.app.binary_path, '--background', '--factory-startup', '--disable-autoexec', '-noaudio', scene,
-                             '--python', btf_bake.__file__, '--', asked, scene, str(write)], pass_fds=(write,))
+                             '--python', btf_bake.__file__, '--', asked, scene, str(write)], pass_fds=(write,),
+                            # Scratch files go with the folder when the bake is stopped, as a killed Blender removes none.
+                            env={**os.environ, 'TMPDIR': self._folder, 'PYTHONDONTWRITEBYTECODE': '1'})
             finally:
                 os.close(write)
         except BaseException:

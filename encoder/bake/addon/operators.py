@@ -1,4 +1,4 @@
-"""What the buttons of the panel and File > Export do.
+"""The operators behind the buttons of the panel and File > Export.
 
 SPDX-License-Identifier: MIT
 """

@@ -1,4 +1,4 @@
-"""What the scenes beside this file share: tubes and grids as arrays, materials, and the file that is written.
+"""Parts that the scenes beside this file share: tubes and grids as arrays, materials, and the file that is written.
 
 A scene is one tile of a surface that repeats for ever: the unit square of x and y, z up, the highest point at z = 0.
 Everything that shall be baked is in the collection BTF. A body that crosses an edge of the tile stays whole: it reaches
