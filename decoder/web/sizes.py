@@ -18,7 +18,7 @@ BEGIN, END = "| | bytes | gzip |\n| --- | --- | --- |\n", "\n\n"
 ROWS = (
     ("`openbtf.wasm`", ("openbtf.wasm",)),
     ("scripts of `openbtf`", ("index.js", "material.js", "module.js", "records.js")),
-    ("more for `openbtf/webgl`", ("webgl*.js",)),
+    ("more for `openbtf/webgl`", ("webgl*.js", "self_test_lists.js")),
     ("more for `openbtf/three`", ("three*.js",)),
 )
 TOLERANCE = 0.1

@@ -73,22 +73,28 @@ def _rings(text):
     return found
 
 
-def _file(path):
-    """A direction a line: theta and phi between blanks or commas; what follows # is left out."""
-    found = []
+def _lines(path):
+    """The lines of a text file that hold fields, which stand between blanks or commas; # begins a comment. Yields (number of
+    the line, line, fields)."""
     with open(path, encoding='utf-8-sig') as file:
         for number, line in enumerate(file, 1):
             fields = line.split('#')[0].replace(',', ' ').split()
-            if not fields:
-                continue
-            try:
-                theta, phi = map(float, fields)
-            except ValueError:
-                raise ValueError(f"{path}:{number}: '{line.strip()}' is not theta and phi") from None
-            if not (0 <= theta <= STEEPEST and math.isfinite(phi)):
-                raise ValueError(f'{path}:{number}: theta {theta:g} is not in 0..85, or phi {phi:g} is no angle')
-            theta = _rounded(theta)
-            found.append((theta, _turned(phi) if theta > 0 else 0.0))
+            if fields:
+                yield number, line, fields
+
+
+def _file(path):
+    """A direction a line: theta and phi."""
+    found = []
+    for number, line, fields in _lines(path):
+        try:
+            theta, phi = map(float, fields)
+        except ValueError:
+            raise ValueError(f"{path}:{number}: '{line.strip()}' is not theta and phi") from None
+        if not (0 <= theta <= STEEPEST and math.isfinite(phi)):
+            raise ValueError(f'{path}:{number}: theta {theta:g} is not in 0..85, or phi {phi:g} is no angle')
+        theta = _rounded(theta)
+        found.append((theta, _turned(phi) if theta > 0 else 0.0))
     return found
 
 
@@ -126,25 +132,20 @@ def pairs(path):
     reads them. Returns [((theta_v, phi_v), (theta_l, phi_l))] in the order of the file. Raises ValueError."""
     found = []
     try:
-        with open(path, encoding='utf-8-sig') as file:
-            for number, line in enumerate(file, 1):
-                fields = line.split('#')[0].replace(',', ' ').split()
-                if not fields:
-                    continue
-                try:
-                    angles = [float(field) for field in fields[-4:]]
-                except ValueError:
-                    if not found and not any(c.isdigit() for c in line):
-                        continue  # a first line of titles
-                    angles = []
-                if len(angles) != 4 or len(fields) > 5 or not all(map(math.isfinite, angles)):
-                    raise ValueError(f"{path}:{number}: '{line.strip()}' is not theta and phi of the view and of the "
-                                     'light')
-                for theta in angles[::2]:
-                    if not 0 <= theta <= STEEPEST:
-                        raise ValueError(f'{path}:{number}: theta {theta:g} is not in 0..85')
-                found.append(tuple((_rounded(theta), _turned(phi) if theta > 0 else 0.0)
-                                   for theta, phi in zip(angles[::2], angles[1::2])))
+        for number, line, fields in _lines(path):
+            try:
+                angles = [float(field) for field in fields[-4:]]
+            except ValueError:
+                if not found and not any(c.isdigit() for c in line):
+                    continue  # a first line of titles
+                angles = []
+            if len(angles) != 4 or len(fields) > 5 or not all(map(math.isfinite, angles)):
+                raise ValueError(f"{path}:{number}: '{line.strip()}' is not theta and phi of the view and of the light")
+            for theta in angles[::2]:
+                if not 0 <= theta <= STEEPEST:
+                    raise ValueError(f'{path}:{number}: theta {theta:g} is not in 0..85')
+            found.append(tuple((_rounded(theta), _turned(phi) if theta > 0 else 0.0)
+                               for theta, phi in zip(angles[::2], angles[1::2])))
     except (OSError, UnicodeDecodeError) as error:
         raise ValueError(f'{path}: {getattr(error, "strerror", None) or error}') from None
     if not found:

@@ -3,6 +3,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+import { lists } from './self_test_lists.js';
 import { OpenBTFError, call, load, text } from './module.js';
 import { keepDrawState } from './webgl_state.js';
 
@@ -153,19 +154,7 @@ function testAll(gl) {
     let failures = run(gl, `#version 300 es\n${text(call('self_test_source'))}${ARITHMETIC}`);
     failures |= runWith(gl, LEVELS, words, [4, 2, 1].map((size, level) => [size, new Uint32Array(4 * size * size).fill(0x1234567 << level)]));
     failures |= runWith(gl, ARRAY, words, [[SIDE, Uint32Array.from({ length: 3 * SIDE * SIDE * 4 }, (_, i) => Math.imul(i + 1, SPREAD))]], 3);
-
-    const layers = 16, texels = SIDE * SIDE;
-    const bytes = new Uint8Array(layers * texels * 2);
-    for (let i = 0; i < texels; i++) {
-        for (let view = 0; view < 3; view++) {
-            bytes[((view >> 1) * texels + i) * 2] |= (2 + ((i + 5 * view) % 14)) << (4 * (view % 2));
-        }
-        for (let layer = 2; layer < layers; layer++) {
-            const word = (layer * texels + i) * 1021;
-            bytes[(layer * texels + i) * 2] = word;
-            bytes[(layer * texels + i) * 2 + 1] = word >> 8;
-        }
-    }
+    const [bytes, layers] = lists(SIDE);
     return failures | runWith(gl, LISTS, [gl.RG8UI, gl.RG_INTEGER, gl.UNSIGNED_BYTE], [[SIDE, bytes]], layers);
 }
 

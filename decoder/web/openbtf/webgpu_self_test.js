@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+import { lists } from './self_test_lists.js';
 import { OpenBTFError, call, check, load, text } from './module.js';
 
 const SIDE = 2; // invocations run in such blocks
@@ -135,23 +136,6 @@ async function runWith(device, code, format, bytesPerTexel, levels, layers) {
     }
 }
 
-/* Layers 0 and 1 name a layer in each half of a byte; layers from 2 on have a word of their own in each texel. */
-function lists() {
-    const layers = 16, texels = SIDE * SIDE;
-    const bytes = new Uint8Array(layers * texels * 2);
-    for (let i = 0; i < texels; i++) {
-        for (let view = 0; view < 3; view++) {
-            bytes[((view >> 1) * texels + i) * 2] |= (2 + ((i + 5 * view) % 14)) << (4 * (view % 2));
-        }
-        for (let layer = 2; layer < layers; layer++) {
-            const word = (layer * texels + i) * 1021;
-            bytes[(layer * texels + i) * 2] = word;
-            bytes[(layer * texels + i) * 2 + 1] = word >> 8;
-        }
-    }
-    return [bytes, layers];
-}
-
 async function testAll(device) {
     const source = text(call('self_test_wgsl'));
     check();
@@ -165,7 +149,7 @@ async function testAll(device) {
     failures |= await runWith(device, LEVELS, 'rgba32uint', 16, [4, 2, 1].map((size, level) => [size, new Uint32Array(4 * size * size).fill(0x1234567 << level)]));
     const spread = Uint32Array.from({ length: 3 * SIDE * SIDE * 4 }, (_, i) => Math.imul(i + 1, SPREAD));
     failures |= await runWith(device, ARRAY, 'rgba32uint', 16, [[SIDE, spread]], 3);
-    const [bytes, layers] = lists();
+    const [bytes, layers] = lists(SIDE);
     return failures | await runWith(device, LISTS, 'rg8uint', 2, [[SIDE, bytes]], layers);
 }
 
