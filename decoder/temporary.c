@@ -9,7 +9,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <stdatomic.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,12 +16,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { NAME_BYTES = 200 }; /* of 255 that file systems allow, 40 are ours */
-
 static atomic_uint serial;
 
-/* Whether `entry` reads ".NAME.<digits>-<digits>.tmp". */
-static bool is_temporary_of(const char *entry, const char *name, size_t length) {
+bool btfi_is_temporary_of(const char *entry, const char *name, size_t length) {
     if (entry[0] != '.' || strncmp(entry + 1, name, length) != 0 || entry[1 + length] != '.') {
         return false;
     }
@@ -47,7 +43,7 @@ static void remove_stale(const char *directory, const char *name, size_t length)
         return;
     }
     for (struct dirent *entry; (entry = readdir(listing));) {
-        if (!is_temporary_of(entry->d_name, name, length)) {
+        if (!btfi_is_temporary_of(entry->d_name, name, length)) {
             continue;
         }
         const int fd = openat(dirfd(listing), entry->d_name, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
@@ -97,7 +93,7 @@ int btfi_temporary_create(const char *path, char **out_path) {
         return -1;
     }
     char *directory = !slash ? strdup(".") : strndup(path, slash == path ? 1 : (size_t)(slash - path));
-    const size_t length = strnlen(name, NAME_BYTES), size = strlen(path) + 64;
+    const size_t length = strnlen(name, BTFI_TEMPORARY_NAME_BYTES), size = strlen(path) + 64;
     char *buffer = malloc(size);
     int fd = -1, error = ENOMEM;
     if (directory && buffer) {

@@ -11,7 +11,15 @@
 #ifndef OPENBTF_TEMPORARY_H
 #define OPENBTF_TEMPORARY_H
 
+#include <stdbool.h>
+#include <stddef.h>
+
 #pragma GCC visibility push(hidden)
+
+enum { BTFI_TEMPORARY_NAME_BYTES = 200 }; /* of NAME; of 255 that file systems allow, 40 are ours */
+
+/* Whether the file name `entry` reads `.NAME.PID-N.tmp` with digits for PID and N; `length` bytes of `name` count. */
+bool btfi_is_temporary_of(const char *entry, const char *name, size_t length);
 
 /* Removes what dead writers of `path` left, then creates and locks a new temporary file. Returns its
  * descriptor, open for reading and writing, or -1 with errno set (EISDIR where the path ends in '/').

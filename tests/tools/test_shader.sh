@@ -67,6 +67,57 @@ rm -rf stopped
 expect 'interrupted' 130 at '3 call' INT btf-shader "$file" -l glsl330 -o stopped -q
 expect_that 'nothing is left' test -z "$(find . -name '*stopped*')"
 
+# A run with the process id of the dead one, as the first program of a container has it: the rule is the lock alone.
+left_over() { # FOLDER: as a run killed while it filled it leaves it
+    mkdir "$1" && echo half >"$1/decode.glsl" && echo half >"$1/.manifest.json.1-0.tmp"
+}
+left_over .dead.1-0.tmp # of process 1, which lives
+left_over .dead.1-0.tmpx
+left_over .dead.1.tmp
+mkdir .dead.2-0.tmp && echo mine >.dead.2-0.tmp/notes.txt
+ln -s again .dead.3-0.tmp
+expect 'beside a folder that a dead run left' 0 btf-shader "$file" -l glsl330 -o dead -q
+expect_that 'is whole' diff -r dead again
+expect_that 'the folder without a lock is gone' test ! -e .dead.1-0.tmp
+expect_that 'folders of other names stay' test -s .dead.1-0.tmpx/decode.glsl -a -s .dead.1.tmp/decode.glsl
+expect_that 'files of others stay' test -s .dead.2-0.tmp/notes.txt
+expect_that 'links are not followed' test -s again/decode.glsl
+left_over .alive.1-0.tmp
+exec 9<.alive.1-0.tmp
+flock -n 9 || exit 99
+expect 'beside a folder that a live run fills' 0 btf-shader "$file" -l glsl330 -o alive -q 9<&-
+expect_that 'is whole' diff -r alive again
+expect_that 'the locked folder stays' test -s .alive.1-0.tmp/decode.glsl -a -s .alive.1-0.tmp/.manifest.json.1-0.tmp
+exec 9<&-
+expect 'once its run is dead' 0 btf-shader "$file" -l glsl330 --force -o alive -q
+expect_that 'it is removed' test -z "$(find . -name '.alive*')"
+# The name that a run is going to take is taken: $BASHPID is the process id of what exec starts.
+taken() { # OUT: with a locked folder of its own process id in its way
+    local locked=.$1.$BASHPID-0.tmp
+    left_over "$locked" && exec 8<"$locked" && flock -n 8 && echo "$locked" >locked &&
+        exec btf-shader "$file" -l glsl330 -o "$1" -q
+}
+expect 'its own name is taken' 0 eval '(taken taken)'
+expect_that 'is whole' diff -r taken again
+expect_that 'and has not touched the other' test -s "$(cat locked)/decode.glsl"
+cat >held.sh <<'S' # whether flock refuses the temporary folder of `held`, and another run leaves it
+for folder in .held.*.tmp; do
+    ! flock -n "$folder" true && btf-shader "$file" -l glsl330 -o held --force -q && test -d "$folder" && touch was-held
+done
+S
+export file
+cp -r again held
+expect 'while it fills its folder' 0 at '1 rename decode.glsl' 'unset LD_PRELOAD; bash held.sh' \
+    btf-shader "$file" -l glsl330 -o held -q --force
+expect_that 'it holds the lock' test -e was-held
+long=$(printf 'n%.0s' {1..250})
+expect 'a name of 250 bytes' 0 btf-shader "$file" -l glsl330 -o "$long" -q
+expect_that 'is whole' diff -r "$long" again
+expect 'is replaced' 0 btf-shader "$file" -l glsl330 --force -o "$long" -q
+expect_that 'no temporary folder is left' test -z "$(find . -name '.nnn*')"
+expect 'a name of 256 bytes' 2 btf-shader "$file" -l glsl330 -o "${long}nnnnnn"
+expect_text 'is told' 'n: cannot make the folder: File name too long' err
+
 # ---- what the files say
 
 /usr/bin/python3 -c 'import numpy' 2>that || echo 'skipped: no numpy: the example loader is not run'
@@ -147,6 +198,10 @@ for language in spirv hlsl msl; do
         expect_that "$language: nothing is left" test ! -e "of-$language"
     else
         expect_that "$language" test $code = 0 -a -s "of-$language/manifest.json"
+        if [ $language = msl ]; then
+            expect_text 'its comment names the macro of the kernel' 'where BTF_ENTRY is defined' of-msl/decode.metal
+            expect_text 'and the kernel asks for it' '^#ifdef BTF_ENTRY$' of-msl/decode.metal
+        fi
     fi
 done
 finish

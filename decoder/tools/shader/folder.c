@@ -4,15 +4,16 @@
  */
 #include "folder.h"
 
+#include "decoder/temporary.h"
 #include "decoder/toolkit/file.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -22,6 +23,7 @@ struct folder {
     char path[PATH_MAX], temporary[PATH_MAX], file[PATH_MAX];
     folder_is_ours *is_ours;
     btf_log log;
+    int lock;   /* descriptor of the temporary folder */
     bool there; /* something is to be replaced */
 };
 
@@ -29,9 +31,21 @@ static bool is_dot(const char *name) {
     return !strcmp(name, ".") || !strcmp(name, "..");
 }
 
+static int open_folder(int parent, const char *path) {
+    return openat(parent, path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+}
+
+/* Whether the open folder is still the one at this path. */
+static bool is_at(int fd, const char *path) {
+    struct stat opened, named;
+    return fstat(fd, &opened) == 0 && lstat(path, &named) == 0 && opened.st_dev == named.st_dev &&
+           opened.st_ino == named.st_ino;
+}
+
 /* A folder, with the files in it that are ours. Links are not followed. */
 static void remove_folder(const char *path, folder_is_ours *is_ours) {
-    DIR *listing = opendir(path);
+    const int fd = open_folder(AT_FDCWD, path);
+    DIR *listing = fd < 0 ? NULL : fdopendir(fd);
     if (listing) {
         for (struct dirent *entry; (entry = readdir(listing));) {
             if (is_ours(entry->d_name) || entry->d_name[0] == '.') { /* or the temporary file of one */
@@ -39,38 +53,80 @@ static void remove_folder(const char *path, folder_is_ours *is_ours) {
             }
         }
         closedir(listing);
+    } else if (fd >= 0) {
+        close(fd);
     }
     rmdir(path);
 }
 
-/* Temporary folders of this name whose processes are dead. */
-static void remove_stale(const char *parent, const char *name, folder_is_ours *is_ours) {
+/* Removes the temporary folders of this name that can be locked. */
+static void remove_stale(const char *parent, const char *name, size_t length, folder_is_ours *is_ours) {
     DIR *listing = opendir(parent);
     char path[PATH_MAX];
-    const size_t length = strlen(name);
     if (!listing) {
         return;
     }
     for (struct dirent *entry; (entry = readdir(listing));) {
-        char *end;
-        if (entry->d_name[0] != '.' || strncmp(entry->d_name + 1, name, length) != 0 ||
-            entry->d_name[1 + length] != '.') {
+        if (!btfi_is_temporary_of(entry->d_name, name, length) ||
+            snprintf(path, sizeof path, "%s/%s", parent, entry->d_name) >= (int)sizeof path) {
             continue;
         }
-        const long pid = strtol(entry->d_name + 2 + length, &end, 10);
-        if (pid > 0 && !strcmp(end, ".tmp") && kill((pid_t)pid, 0) != 0 && errno == ESRCH &&
-            snprintf(path, sizeof path, "%s/%s", parent, entry->d_name) < (int)sizeof path) {
+        const int fd = open_folder(dirfd(listing), entry->d_name);
+        if (fd < 0) {
+            continue;
+        }
+        if (flock(fd, LOCK_EX | LOCK_NB) == 0 && is_at(fd, path)) {
             remove_folder(path, is_ours);
         }
+        close(fd);
     }
     closedir(listing);
+}
+
+/* Makes f->temporary and locks it; false with errno set. Between the two steps another run may take it for a stale one:
+ * then it is left to that run, and the next name is tried. Where the file system has no locks nobody takes it. */
+static bool make_temporary(folder *f, const char *parent, const char *name, size_t length) {
+    for (int attempt = 0; attempt < 100; attempt++) {
+        if (snprintf(f->temporary, sizeof f->temporary, "%s/.%.*s.%ld-%d.tmp", parent, (int)length, name,
+                     (long)getpid(), attempt) >= (int)sizeof f->temporary - FILE_NAME_BYTES) {
+            errno = ENAMETOOLONG;
+            return false;
+        }
+        if (mkdir(f->temporary, 0777) != 0) {
+            if (errno == EEXIST) {
+                continue;
+            }
+            return false;
+        }
+        f->lock = open_folder(AT_FDCWD, f->temporary);
+        if (f->lock < 0) {
+            if (errno == ENOENT) {
+                continue;
+            }
+            const int error = errno;
+            rmdir(f->temporary);
+            errno = error;
+            return false;
+        }
+        if ((flock(f->lock, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) &&
+            is_at(f->lock, f->temporary)) {
+            return true;
+        }
+        close(f->lock);
+    }
+    errno = EEXIST;
+    return false;
 }
 
 /* Demands that the path is free, or a folder that may be replaced. */
 static btf_result check_place(folder *f, bool replace) {
     struct stat status;
     if (lstat(f->path, &status) != 0) {
-        return BTF_OK;
+        if (errno == ENOENT) {
+            return BTF_OK;
+        }
+        file_say(&f->log, "%s: cannot make the folder: %s", f->path, strerror(errno));
+        return BTF_ERROR_IO;
     }
     DIR *listing = S_ISDIR(status.st_mode) ? opendir(f->path) : NULL;
     if (!listing) {
@@ -127,17 +183,16 @@ btf_result folder_open(const char *path, bool replace, folder_is_ours *is_ours, 
     if (slash == f->path) {
         snprintf(parent, sizeof parent, "/");
     }
-    if (!fits || !*name || is_dot(name) ||
-        snprintf(f->temporary, sizeof f->temporary, "%s/.%s.%ld.tmp", parent, name, (long)getpid()) >=
-            (int)sizeof f->temporary - FILE_NAME_BYTES) {
+    if (!fits || !*name || is_dot(name)) {
         file_say(log, "%.200s: not the name of a folder that can be made", path);
         free(f);
         return BTF_ERROR_IO;
     }
     btf_result result = check_place(f, replace);
     if (!result) {
-        remove_stale(parent, name, is_ours);
-        if (mkdir(f->temporary, 0777) != 0) {
+        const size_t counted = strnlen(name, BTFI_TEMPORARY_NAME_BYTES);
+        remove_stale(parent, name, counted, is_ours);
+        if (!make_temporary(f, parent, name, counted)) {
             file_say(log, "%s: cannot make the folder: %s", f->path, strerror(errno));
             result = BTF_ERROR_IO;
         }
@@ -189,6 +244,7 @@ btf_result folder_commit(folder **folder_to_commit) {
     if (failed || f->there) {
         remove_folder(f->temporary, f->is_ours);
     }
+    close(f->lock);
     free(f);
     *folder_to_commit = NULL;
     return result;
@@ -197,6 +253,7 @@ btf_result folder_commit(folder **folder_to_commit) {
 void folder_abort(folder **f) {
     if (f && *f) {
         remove_folder((*f)->temporary, (*f)->is_ours);
+        close((*f)->lock);
         free(*f);
         *f = NULL;
     }

@@ -13,9 +13,11 @@ typedef struct folder folder;
 /* Whether a file of this name is one that the caller writes: a folder is only replaced that holds no others. */
 typedef bool folder_is_ours(const char *name);
 
-/* Makes the temporary folder `.NAME.PID.tmp` beside `path`, and removes those that dead processes left. Where `path`
- * is there: with `replace` it must be a folder that holds nothing but files of ours, without it an empty one. Errors, on
- * the log: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
+/* Makes the temporary folder `.NAME.PID-N.tmp` beside `path` and keeps it locked with flock until it is committed or
+ * aborted; first removes those that can be locked, for their writers are dead (decoder/temporary.h). NFS does not tell
+ * other hosts of a folder's lock: there two hosts must not write one `path` at the same time. Where `path` is there: with
+ * `replace` it must be a folder that holds nothing but files of ours, without it an empty one. Errors, on the log:
+ * BTF_ERROR_IO, BTF_ERROR_MEMORY. */
 btf_result folder_open(const char *path, bool replace, folder_is_ours *is_ours, const btf_log *log,
                        folder **out_folder);
 
