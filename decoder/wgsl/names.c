@@ -6,6 +6,7 @@
 
 #include "types.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Keywords and reserved words of WGSL (WebGPU Shading Language, sections 15.1 and 15.2) that GLSL leaves free, and the
@@ -17,13 +18,14 @@ static const char taken[] =
     "cast catch class co_await co_return co_yield common compile concept const_assert const_cast "
     "consteval constexpr constinit continuing crate debugger decltype delete demote diagnostic "
     "dynamic_cast enable enum explicit export extends extern external f16 f32 fallthrough filter "
-    "final finally fn friend from fxgroup get goto groupshared i32 impl implements import inline "
+    "final finally fn friend from function fxgroup get goto groupshared i32 impl implements import inline "
     "instanceof interface let loop macro macro_rules match meta mod module move mut mutable "
     "namespace new nil noexcept noinline null nullptr of operator override package packoffset "
     "pass patch pixelfragment premerge priv protected ptr pub public ref regardless register "
     "reinterpret_cast require requires resource restrict select self set sizeof snorm static "
     "static_assert static_cast std subroutine super target template textureDimensions "
-    "textureLoad this thread_local throw trait try type typedef typeid typename typeof u32 union "
+    "textureLoad texture_2d texture_2d_array this thread_local throw trait try type typedef typeid "
+    "typename typeof u32 union "
     "unless unorm unsafe unsized use using var vec2f vec2i vec2u vec3f vec3i vec3u vec4f vec4i "
     "vec4u virtual wgsl where with yield ";
 
@@ -33,7 +35,7 @@ void btfi_write_name(btfi_growing *out, const btfi_token *name) {
         is_taken = strncmp(p + 1, name->text, name->length) == 0 && p[1 + name->length] == ' ';
     }
     btfi_append(out, name->text, name->length);
-    btfi_append(out, "_", (size_t)is_taken);
+    btfi_append(out, "__", is_taken ? 2 : 0);
 }
 
 void btfi_write_type(btfi_growing *out, const btfi_tree *tree, btfi_type type) {
@@ -77,4 +79,73 @@ void btfi_write_function_name(btfi_growing *out, const btfi_tree *tree, const bt
     for (uint32_t i = 0; f->is_overloaded && i < f->count; ++i) {
         write_suffix(out, tree, tree->symbols[f->first + i].type);
     }
+}
+
+/* A name that the translation has, or of which its own is made. */
+typedef struct known_name {
+    const char *text;
+    size_t length;
+    const btfi_function *of; /* of an overloaded function; NULL: a name as the text has it */
+} known_name;
+
+static int compare_names(const void *first, const void *second) {
+    const known_name *a = first, *b = second;
+    const int order = memcmp(a->text, b->text, a->length < b->length ? a->length : b->length);
+    return order ? order : (a->length > b->length) - (a->length < b->length);
+}
+
+static const btfi_function *clash_among(known_name *list, size_t count) {
+    qsort(list, count, sizeof *list, compare_names);
+    for (size_t i = 0; i < count; ++i) {
+        const known_name *n = &list[i];
+        for (size_t c = 0; n->of && c + 1 < n->length; ++c) {
+            if (n->text[c] == '_' && n->text[c + 1] == '_') {
+                return n->of;
+            }
+        }
+        if (i > 0 && compare_names(n - 1, n) == 0 && (n->of || n[-1].of)) {
+            return n->of ? n->of : n[-1].of;
+        }
+    }
+    return NULL;
+}
+
+int btfi_find_clash(const btfi_tree *tree, const btfi_function **out_function) {
+    const size_t most = (size_t)tree->n_symbols + tree->n_structs + tree->n_functions;
+    known_name *list = malloc((most + 1) * sizeof *list);
+    btfi_growing made = {0};
+    size_t count = 0, at = 0;
+    *out_function = NULL;
+    if (!list) {
+        return 0;
+    }
+    for (uint32_t i = 0; i < tree->n_symbols; ++i) {
+        const btfi_token *name = &tree->symbols[i].name;
+        list[count++] = (known_name){.text = name->text, .length = name->length};
+    }
+    for (uint32_t i = 0; i < tree->n_structs; ++i) {
+        const btfi_token *name = &tree->structs[i].name;
+        list[count++] = (known_name){.text = name->text, .length = name->length};
+    }
+    for (uint32_t i = 0; i < tree->n_functions; ++i) {
+        const btfi_function *f = &tree->functions[i];
+        const size_t before = made.length;
+        if (f->is_overloaded) {
+            btfi_write_function_name(&made, tree, f);
+        }
+        list[count++] = (known_name){.text = f->name.text,
+                                     .length = f->is_overloaded ? made.length - before : f->name.length,
+                                     .of = f->is_overloaded ? f : NULL};
+    }
+    for (size_t i = 0; i < count && !made.failed; ++i) { /* where they lie, now that no more is made */
+        if (list[i].of) {
+            list[i].text = made.data + at;
+            at += list[i].length;
+        }
+    }
+    *out_function = made.failed ? NULL : clash_among(list, count);
+    const int done = !made.failed;
+    free(made.data);
+    free(list);
+    return done;
 }

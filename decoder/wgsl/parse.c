@@ -25,6 +25,7 @@ static void parse_struct(btfi_parser *p, const btfi_token *first) {
     if (s.name.kind != BTFI_TOKEN_NAME) {
         btfi_parse_fail(p, "a struct without a name, before what stands");
     }
+    btfi_check_name(p, &s.name);
     btfi_expect(p, "{");
     while (p->result == BTF_OK && !btfi_accept(p, "}")) {
         const btfi_type type = btfi_parse_type(p);
@@ -122,6 +123,7 @@ static void parse_function(btfi_parser *p, const btfi_token *first) {
     if (f.name.kind != BTFI_TOKEN_NAME) {
         btfi_parse_fail(p, "a function without a name, before what stands");
     }
+    btfi_check_name(p, &f.name);
     btfi_expect(p, "(");
     if (!btfi_next_is(p, ")")) {
         do {

@@ -8,13 +8,26 @@
 
 enum { DEEPEST = 200 };
 
-void btfi_parse_fail(btfi_parser *p, const char *what) {
+static void fail_at(btfi_parser *p, const char *what, const btfi_token *t) {
     if (p->result == BTF_OK) {
-        const btfi_token *t = btfi_peek(p);
         p->result = BTF_ERROR_UNSUPPORTED;
         snprintf(p->message, p->message_size, "%s at \"%.*s\"", what, t->length < 60 ? (int)t->length : 60,
                  t->text);
         p->at = p->count - 1;
+    }
+}
+
+void btfi_parse_fail(btfi_parser *p, const char *what) {
+    fail_at(p, what, btfi_peek(p));
+}
+
+void btfi_check_name(btfi_parser *p, const btfi_token *name) {
+    int is_reserved = btfi_token_is(name, "_");
+    for (uint32_t i = 0; i + 1 < name->length; ++i) {
+        is_reserved |= name->text[i] == '_' && name->text[i + 1] == '_';
+    }
+    if (is_reserved && name->kind == BTFI_TOKEN_NAME) {
+        fail_at(p, "a reserved name (__ in it, or _ alone)", name);
     }
 }
 
@@ -74,6 +87,7 @@ uint32_t btfi_new_symbol(btfi_parser *p, btfi_token name, btfi_type type) {
     if (p->result == BTF_OK && name.kind != BTFI_TOKEN_NAME) {
         btfi_parse_fail(p, "a name is expected before what stands");
     }
+    btfi_check_name(p, &name);
     if (p->result != BTF_OK || t->n_symbols == t->most) {
         btfi_parse_fail(p, "too many names");
         return 0;

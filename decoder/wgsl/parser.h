@@ -25,6 +25,10 @@ typedef struct btfi_parser {
 /* Ends parsing with a message that names the next token. */
 void btfi_parse_fail(btfi_parser *p, const char *what);
 
+/* Fails on a name that GLSL or WGSL reserves: `_`, and names with __, which those that the writer makes have. Every name
+ * that the text declares is checked. */
+void btfi_check_name(btfi_parser *p, const btfi_token *name);
+
 /* The next token, and whether it is this text. */
 const btfi_token *btfi_peek(const btfi_parser *p);
 int btfi_next_is(const btfi_parser *p, const char *text);

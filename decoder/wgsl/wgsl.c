@@ -64,7 +64,7 @@ static void write_function(btfi_writer *w, const btfi_function *f) {
     for (uint32_t i = f->first; i < f->first + f->count; ++i) {
         const btfi_symbol *s = &w->tree->symbols[i];
         btfi_write_name(&w->out, &s->name);
-        btfi_print(&w->out, "%s: %s", is_copied(s) ? "_given" : "",
+        btfi_print(&w->out, "%s: %s", is_copied(s) ? "__given" : "",
                    s->direction == BTFI_IN ? "" : "ptr<function, ");
         btfi_write_type(&w->out, w->tree, s->type);
         btfi_print(&w->out, "%s%s", s->direction == BTFI_IN ? "" : ">",
@@ -87,7 +87,7 @@ static void write_function(btfi_writer *w, const btfi_function *f) {
             btfi_write_type(&w->out, w->tree, s->type);
             btfi_append(&w->out, " = ", 3);
             btfi_write_name(&w->out, &s->name);
-            btfi_append(&w->out, "_given;\n", 8);
+            btfi_append(&w->out, "__given;\n", 9);
         }
     }
     btfi_write_statements(w, f->body);
@@ -103,6 +103,14 @@ static void write_all(btfi_writer *w) {
                                " */\n";
     const btfi_tree *t = w->tree;
     btfi_append(&w->out, head, sizeof head - 1);
+    const btfi_function *clashing = NULL;
+    if (!btfi_find_clash(t, &clashing)) {
+        w->out.failed = 1;
+    } else if (clashing) {
+        btfi_write_fail(w, "an overloaded function, whose name in WGSL the text has or cannot have,",
+                        &clashing->name);
+        return;
+    }
     for (uint32_t i = 0; i < t->n_symbols; ++i) {
         if (t->symbols[i].is_uniform) {
             write_uniform(w, &t->symbols[i]);

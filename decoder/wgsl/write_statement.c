@@ -75,7 +75,7 @@ static void keep_arguments(btfi_writer *w, const btfi_node *call) {
         }
         const uint32_t number = ++w->kept;
         btfi_write_indent(w);
-        btfi_print(&w->out, "var kept_%u: ", number);
+        btfi_print(&w->out, "var kept__%u: ", number);
         btfi_write_type(&w->out, w->tree, n->type);
         if (direction(w, call, i) == BTFI_INOUT) {
             btfi_print(&w->out, " = ");
@@ -150,7 +150,7 @@ static uint32_t write_after(btfi_writer *w, uint32_t node) {
             a->kept = 0;
             btfi_write_indent(w);
             btfi_write_expression(w, argument);
-            btfi_print(&w->out, " = kept_%u;\n", number);
+            btfi_print(&w->out, " = kept__%u;\n", number);
             ++lines;
         } else {
             lines += write_after(w, argument);
@@ -177,7 +177,7 @@ static void write_swizzle_assignment(btfi_writer *w, const btfi_node *n) {
     line(w, "{");
     ++w->indent;
     btfi_write_indent(w);
-    btfi_print(&w->out, "let moved: ");
+    btfi_print(&w->out, "let moved__: ");
     btfi_write_type(&w->out, w->tree, target->type);
     btfi_print(&w->out, " = ");
     if (n->token.length > 1) {
@@ -193,7 +193,7 @@ static void write_swizzle_assignment(btfi_writer *w, const btfi_node *n) {
     for (uint32_t i = 0; i < target->token.length; ++i) {
         btfi_write_indent(w);
         btfi_write_expression(w, target->a);
-        btfi_print(&w->out, ".%c = moved.%c;\n", target->token.text[i], "xyzw"[i]);
+        btfi_print(&w->out, ".%c = moved__.%c;\n", target->token.text[i], "xyzw"[i]);
     }
     --w->indent;
     line(w, "}");

@@ -264,7 +264,7 @@ static void write_call(btfi_writer *w, const btfi_node *n) {
                                    ? &w->tree->symbols[nodes[argument].of]
                                    : NULL;
         if (nodes[argument].kept) {
-            btfi_print(&w->out, "&kept_%u", nodes[argument].kept);
+            btfi_print(&w->out, "&kept__%u", nodes[argument].kept);
         } else if (s) {
             put(w, s->is_parameter && s->direction != BTFI_IN ? "" : "&");
             btfi_write_name(&w->out, &s->name);

@@ -335,11 +335,13 @@ CHANGES = [
     ("both sides of ?: changed over in WGSL", "wgsl_translate", [
         ("decoder/wgsl/writer.c", "btfi_write_argument(w, n->c);", "btfi_write_argument(w, n->b);")]),
     ("what an out parameter gave not put where it belongs in WGSL", "wgsl_translate", [
-        ("decoder/wgsl/write_statement.c", '" = kept_%u;\\n", number', '" == kept_%u;\\n", number')]),
+        ("decoder/wgsl/write_statement.c", '" = kept__%u;\\n", number', '" == kept__%u;\\n", number')]),
     ("shifts without brackets in WGSL", "wgsl_translate", [
         ("decoder/wgsl/writer.c", "if (inner >= BITS || outer >= BITS) {", "if (inner > SHIFT) {")]),
     ("conditions of any depth in WGSL", "wgsl_translate", [
         ("decoder/wgsl/preprocess.c", "if (++c->depth > DEEPEST) {", "if (++c->depth == 0) {")]),
+    ("a name that the translator makes taken from the text in WGSL", "wgsl_translate", [
+        ("decoder/wgsl/parser.c", "if (is_reserved && name->kind == BTFI_TOKEN_NAME) {", "if (is_reserved > 1) {")]),
 ]
 
 TOOLS = ['encoder/btf-encode', 'encoder/btf-compare', 'decoder/tools/btf-info', 'decoder/tools/btf-decode',

@@ -155,8 +155,13 @@ btf_result btf_shader_source(const btf_material *material, const btf_shader_opti
  * it in the part of GLSL that these are written in. The macro WGSL is defined, and ESSL 300 is assumed. A uniform needs
  * `layout(set = s, binding = n)`, which BTF_UNIFORM(n) gives those of the library. In the result names that several functions
  * share have the types of their parameters behind them (btf_mul_vec3f_f32); parameters that are `out` or `inout` are pointers.
+ * Every other name stays, but for one that WGSL reserves or predeclares: it has __ behind it (filter__). Names that the
+ * translation adds have __ in them as well; as in GLSL, no name of @p glsl may have it, nor be _ alone. An overloaded function
+ * whose name in WGSL would have __ in it, or be another name of the text, is refused, too.
  * *out_text is freed with btf_free; NULL on error. @p log may be NULL. Errors: BTF_ERROR_UNSUPPORTED (something of GLSL that
- * the decoder does not use; the message names the place), BTF_ERROR_MEMORY. */
+ * the decoder does not use, or such a name; macros that are expanded through more than 2^22 = 4,194,304 tokens in all or are
+ * more than 200 deep in one another; an expression more than 1000 operators and calls high, or brackets or statements more
+ * than 200 deep; the message names the place), BTF_ERROR_MEMORY. */
 btf_result btf_shader_wgsl(const char *glsl, const btf_log *log, char **out_text);
 
 /** Random numbers of a counter, say column, row and frame of a pixel, the same as btf_random of the shader: PCG3D

@@ -68,11 +68,11 @@ static void constructs_are_translated(void **state) {
          {"return g((a < b), (b > c));"}},
         /* Parameters that are assigned are copied; variables that are not are constants. */
         {"int f(int a) { a += 1; int b = a, c = 0; c = b; return c; }",
-         {"fn f(a_given: i32) -> i32 {", "var a: i32 = a_given;", "a += 1;", "let b: i32 = a;",
+         {"fn f(a__given: i32) -> i32 {", "var a: i32 = a__given;", "a += 1;", "let b: i32 = a;",
           "var c: i32 = 0;", "c = b;"}},
         /* An array with an index that varies is copied, too: not every compiler takes it from a value. */
         {"int f(int a[4], int i) { return a[i]; }",
-         {"fn f(a_given: array<i32, 4>, i: i32) -> i32 {", "var a: array<i32, 4> = a_given;"}},
+         {"fn f(a__given: array<i32, 4>, i: i32) -> i32 {", "var a: array<i32, 4> = a__given;"}},
         {"int f(int a[4]) { return a[2 + 1]; }", {"fn f(a: array<i32, 4>) -> i32 {", "return a[2 + 1];"}},
         /* Out parameters. A part of a variable is handed over by way of another one. */
         {"void g(out int a, inout ivec2 b) { a = b.x; b.y += 1; } int f() { int a; ivec2 b = ivec2(1); "
@@ -81,12 +81,12 @@ static void constructs_are_translated(void **state) {
           "var a: i32;", "var b: vec2i = vec2i(1);", "g(&a, &b);"}},
         {"struct s { int a, b; }; void g(out int a, inout int b) { a = b; } int f() { s x; g(x.a, x.b); "
          "return x.a; }",
-         {"var kept_1: i32;", "var kept_2: i32 = x.b;", "g(&kept_1, &kept_2);", "x.a = kept_1;",
-          "x.b = kept_2;"}},
+         {"var kept__1: i32;", "var kept__2: i32 = x.b;", "g(&kept__1, &kept__2);", "x.a = kept__1;",
+          "x.b = kept__2;"}},
         {"void h(inout int a) { a = 1; } void f(inout int a) { h(a); }", {"h(a);"}},
         /* Swizzles are assigned one component at a time. */
         {"uvec4 f(uvec4 a) { a.xy += a.zw; return a; }",
-         {"let moved: vec2u = a.xy + a.zw;", "a.x = moved.x;", "a.y = moved.y;"}},
+         {"let moved__: vec2u = a.xy + a.zw;", "a.x = moved__.x;", "a.y = moved__.y;"}},
         {"int f() { int a, b; a = b = 3; return a; }", {"b = 3;", "a = b;"}},
         /* Loops. */
         {"int f(int n) { int s = 0; for (int i = 0; i < n; ++i) s += i; return s; }",
@@ -107,7 +107,20 @@ static void constructs_are_translated(void **state) {
           "return g_vec3f(a) * g_f32(a.x);"}},
         /* Names that WGSL keeps for itself. */
         {"int f(int from, int fn) { int let = from, array = fn; return let + array; }",
-         {"fn f(from_: i32, fn_: i32) -> i32 {", "let let_: i32 = from_;", "let array_: i32 = fn_;"}},
+         {"fn f(from__: i32, fn__: i32) -> i32 {", "let let__: i32 = from__;", "let array__: i32 = fn__;"}},
+        {"struct function { int a; }; int f(int texture_2d) { return texture_2d; }",
+         {"struct function__ {", "fn f(texture_2d__: i32) -> i32 {"}},
+        /* Names that the translator makes are none of the text's. */
+        {"vec2 f(vec2 a) { vec2 moved = a; moved.xy = moved.yx; return moved; }",
+         {"var moved: vec2f = a;", "let moved__: vec2f = moved.yx;", "moved.x = moved__.x;"}},
+        {"void g(out int a) { a = 1; } int f() { int kept_1 = 2; ivec2 v = ivec2(3); g(v.x); return "
+         "kept_1; "
+         "}",
+         {"let kept_1: i32 = 2;", "var kept__1: i32;", "g(&kept__1);", "v.x = kept__1;", "return kept_1;"}},
+        {"int f(int x, int x_given) { x += x_given; return x; }",
+         {"fn f(x__given: i32, x_given: i32) -> i32 {", "var x: i32 = x__given;", "x += x_given;"}},
+        {"int f(int filter, int filter_) { return filter - filter_; }",
+         {"fn f(filter__: i32, filter_: i32) -> i32 {", "return filter__ - filter_;"}},
         /* Textures. */
         {"layout(set = 2, binding = 5) uniform highp usampler2DArray t; uint f(uvec2 x, uint layer) { "
          "return texelFetch(t, ivec3(x, layer), 1).y; }",
@@ -128,6 +141,9 @@ static void constructs_are_translated(void **state) {
          {"return 300;"}},
         {"#define f(x) f(x + 1)\nint g(int x) { return x; }\n#undef f\nint h(int f) { return f; }\n",
          {"fn h(f: i32) -> i32 {"}},
+        /* A macro goes on in the next line, whichever way lines end. */
+        {"#define TWO 1 + \\\n 1\nint f() { return TWO; }\n", {"return 1 + 1;"}},
+        {"#define TWO 1 + \\\r\n 1\r\nint f() { return TWO; }\r\n", {"return 1 + 1;"}},
         /* The comment in front of a function stays; precision and `const` need no words. */
         {"precision highp float;\n/* Twice. */\nfloat f(const highp float x) { const int n = 2; float a[n "
          "+ 1]; a[0] = x; return a[0]; }",
@@ -199,6 +215,24 @@ static void other_glsl_is_refused(void **state) {
          "a side effect in what is assigned"},
         {"void f(int a[4], int n) { int j = 0; for (int i = 0; i < n; ++a[++j]) ; }",
          "a side effect in what is assigned"},
+        /* Names that the translator makes, and that it would make twice. */
+        {"int f(int a__b) { return 1; }", "a reserved name (__ in it, or _ alone) at \"a__b\""},
+        {"int f() { int moved__ = 1; return moved__; }",
+         "a reserved name (__ in it, or _ alone) at \"moved__\""},
+        {"int f__() { return 1; }", "a reserved name (__ in it, or _ alone) at \"f__\""},
+        {"struct __s { int a; };", "a reserved name (__ in it, or _ alone) at \"__s\""},
+        {"struct s { int a__; };", "a reserved name (__ in it, or _ alone) at \"a__\""},
+        {"layout(binding = 1) uniform uint u__u;", "a reserved name (__ in it, or _ alone) at \"u__u\""},
+        {"int f(int _) { return 1; }", "a reserved name (__ in it, or _ alone) at \"_\""},
+        {"int g(int a) { return a; } int g(uint a) { return 1; } int g_i32() { return 2; }",
+         "an overloaded function, whose name in WGSL the text has or cannot have, at \"g\""},
+        {"int g(int a) { return a; } int g(uint a) { return 1; } int f(int g_u32) { return g(g_u32); }",
+         "an overloaded function"},
+        {"struct i32x2 { int a; }; int g(i32x2 a) { return 1; } int g(int a[2]) { return 2; }",
+         "an overloaded function"},
+        {"struct given { int a; }; int x_(given a) { return 1; } int x_(int a) { return 2; }",
+         "an overloaded function"},
+        {"int g(int a) { return a; } int g(int b) { return b; }", "an overloaded function"},
         /* Texts that are no GLSL. */
         {"uint f(uint a) { return -a; }", "an operation that"},
         {"int f(int a) { return !a; }", "an operation that"},
@@ -266,6 +300,31 @@ static void depth_is_bounded(void **state) {
     }
 }
 
+/* A chain of macros, each the body of the one before, and each no deeper in the text than the last. */
+static void chains_of_macros_are_bounded(void **state) {
+    (void)state;
+    enum { CHAIN = 20000, LINE = 40 };
+    char *glsl = malloc((size_t)CHAIN * LINE + 100), *text = NULL;
+    assert_non_null(glsl);
+    for (int length = 150; length <= CHAIN; length += CHAIN - 150) {
+        size_t n = 0;
+        for (int i = 0; i < length; ++i) {
+            n += (size_t)snprintf(glsl + n, LINE, "#define M%d M%d\n", i, i + 1);
+        }
+        snprintf(glsl + n, 100, "#define M%d 7\nint f() { return M0; }\n", length);
+        const btf_result result = btf_shader_wgsl(glsl, &log_keep, &text);
+        if (length == CHAIN) {
+            assert_int_equal(result, BTF_ERROR_UNSUPPORTED);
+            assert_non_null(strstr(last_message, "macros too deep in one another"));
+        } else {
+            assert_int_equal(result, BTF_OK);
+            assert_non_null(strstr(text, "return 7;"));
+        }
+        btf_free(text);
+    }
+    free(glsl);
+}
+
 /* Macros and constants that double 60 times are refused, or calculated once each. */
 static void doubling_is_bounded(void **state) {
     (void)state;
@@ -310,6 +369,7 @@ int main(void) {
         cmocka_unit_test(constructs_are_translated),
         cmocka_unit_test(other_glsl_is_refused),
         cmocka_unit_test(depth_is_bounded),
+        cmocka_unit_test(chains_of_macros_are_bounded),
         cmocka_unit_test(doubling_is_bounded),
         cmocka_unit_test(comments_that_nest_are_dropped),
         cmocka_unit_test(the_self_test_is_translated),
