@@ -331,7 +331,7 @@ await test('viewer: the picture is saved as PNG', async () => {
     const bytes = readFileSync(file);
     assert.equal(bytes.subarray(1, 4).toString(), 'PNG');
     const { width, height } = await page.box('#canvas');
-    assert.deepEqual([bytes.readUInt32BE(16), bytes.readUInt32BE(20)], [Math.round(width), Math.round(height)]);
+    assert.deepEqual([bytes.readUInt32BE(16), bytes.readUInt32BE(20)], await page.evaluate(`[${width}, ${height}].map((side) => Math.round(side * devicePixelRatio))`));
     const { colours } = await compared(page, bytes.toString('base64'), bytes.toString('base64'));
     assert.ok(colours > 100, `${colours} colours`);
 });
