@@ -206,8 +206,8 @@ part_demo() {
     material=$(encoded bricks "$data" --pictures "$work/bricks-pictures" --budget 2.36MB)
     paper=$(encoded bricks-paper "$data" --method paper)
     cp "$work/bricks-pictures/montage.png" "$pictures/montage.png"
-    btf-render "$material" -o "$pictures/hero.png" --mesh torus --size 640x400 --samples 3 --repeat 4 --view 50,-90 \
-        --zoom 1.35 --light 45,110 --cast-shadows --background 0.9 --quiet
+    btf-render "$material" -o "$pictures/hero.png" --mesh torus --size 640x400 --samples 3 --repeat 4 --view 50,40 \
+        --zoom 0.95 --light 40,90 --cast-shadows --background 0.9 --quiet
     btf-render "$material" -o "$pictures/figure13.png" --figure13 --original "$data" --baseline "$paper" --mesh plane \
         --view 40,-90 --repeat 2 --size 256 --quiet
 }
