@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/decode_options.h"
 #include "decoder/toolkit/exr_image.h"
 #include "decoder/toolkit/file.h"
 #include "decoder/toolkit/filter.h"
@@ -58,13 +59,7 @@ static const cli_option option_table[] = {
      .type = CLI_EFFECTS,
      .value = &options.effects,
      .help = "effects to decode (default: all that the file holds)"},
-    {.name = "components",
-     .type = CLI_INT,
-     .value = &options.components,
-     .minimum = 0,
-     .maximum = BTF_MAX_COMPONENTS,
-     .help = "components of the residual to decode, or units where it is factors, as btf-info\n"
-             "lists them (default all)"},
+    {COMPONENTS_OPTION, .value = &options.components},
     {.name = "level",
      .arg = "N",
      .type = CLI_INT,

@@ -4,6 +4,7 @@
  */
 #include "settings.h"
 
+#include "decoder/toolkit/decode_options.h"
 #include "decoder/toolkit/filter.h"
 #include "light_option.h"
 #include "picture.h"
@@ -230,19 +231,8 @@ static const cli_option option_table[] = {
      .minimum = 0,
      .maximum = 100,
      .help = "what --plan may lose against the full decode, predicted; default 0.5"},
-    {.name = "components",
-     .type = CLI_INT,
-     .value = &render_options.components,
-     .minimum = 0,
-     .maximum = BTF_MAX_COMPONENTS,
-     .help = "components of the residual to decode, or units where it is factors, as btf-info\n"
-             "lists them (default all)"},
-    {.name = "interpolation",
-     .type = CLI_CHOICE,
-     .choices = "linear|nearest",
-     .value = &render_options.interpolation,
-     .given = &render_options.interpolation_given,
-     .help = "between sampled directions (default linear)"},
+    {COMPONENTS_OPTION, .value = &render_options.components},
+    {INTERPOLATION_OPTION, .value = &render_options.interpolation, .given = &render_options.interpolation_given},
     {.name = "filter",
      .type = CLI_CHOICE,
      .choices = FILTER_CHOICES,

@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "decoder/toolkit/cli.h"
+#include "decoder/toolkit/decode_options.h"
 #include "decoder/toolkit/file.h"
 #include "decoder/toolkit/filter.h"
 #include "decoder/toolkit/output.h"
@@ -52,20 +53,8 @@ static const cli_option option_table[] = {
      .value = &options.effects,
      .given = &options.effects_given,
      .help = "effects to decode (default: all that the file holds)"},
-    {.name = "components",
-     .type = CLI_INT,
-     .value = &options.components,
-     .given = &options.components_given,
-     .minimum = 0,
-     .maximum = BTF_MAX_COMPONENTS,
-     .help = "components of the residual to decode, or units where it is factors, as btf-info\n"
-             "lists them (default all)"},
-    {.name = "interpolation",
-     .type = CLI_CHOICE,
-     .choices = "linear|nearest",
-     .value = &options.interpolation,
-     .given = &options.interpolation_given,
-     .help = "between sampled directions (default linear)"},
+    {COMPONENTS_OPTION, .value = &options.components, .given = &options.components_given},
+    {INTERPOLATION_OPTION, .value = &options.interpolation, .given = &options.interpolation_given},
     {.name = "filter",
      .type = CLI_CHOICE,
      .choices = FILTER_CHOICES,
@@ -144,10 +133,11 @@ static const cli_program program = {
 
 /* The names that this program gives files. */
 static bool is_ours(const char *name) {
-    static const char *const others[] = {"manifest.json", "decode.glsl",  "decode.spv",
-                                         "decode.hlsl",   "decode.metal", "decode.wgsl"};
-    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
-        if (!strcmp(name, others[i])) {
+    if (!strcmp(name, "manifest.json")) {
+        return true;
+    }
+    for (int l = LANGUAGE_GLSL330; l <= LANGUAGE_WGSL; l++) {
+        if (!strcmp(name, language_facts_of((language)l)->file)) {
             return true;
         }
     }

@@ -4,6 +4,7 @@
  */
 #include "options.h"
 
+#include "decoder/toolkit/decode_options.h"
 #include "decoder/toolkit/filter.h"
 #include "decoder/toolkit/scene_option.h"
 #include <openbtf/material.h>
@@ -33,11 +34,7 @@ static const cli_option option_table[] = {
      .type = CLI_EFFECTS,
      .value = &view_options.effects,
      .help = "effects to begin with (default all)"},
-    {.name = "interpolation",
-     .type = CLI_CHOICE,
-     .choices = "linear|nearest",
-     .value = &view_options.interpolation,
-     .help = "between sampled directions (default linear)"},
+    {INTERPOLATION_OPTION, .value = &view_options.interpolation},
     {.name = "filter",
      .type = CLI_CHOICE,
      .choices = FILTER_CHOICES,
