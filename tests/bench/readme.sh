@@ -10,6 +10,8 @@
 #                                                          busy machine may do
 #   tests/bench/readme.sh --plan DIR                       the tables of scenes between the two `plan` marks, of a
 #                                                          finished run of btf-bench --only plan --out DIR
+#   tests/bench/readme.sh --growth DIR                     what stands between the marks `growth` of encoder/README.md,
+#                                                          of a finished run of btf-bench --only growth --out DIR
 #
 # SPDX-License-Identifier: MIT
 set -euo pipefail
@@ -34,6 +36,33 @@ for path in sorted(glob.glob(f"{out}/readme-plan-*.md")):
     name = os.path.basename(path)[len("readme-plan-"):-len(".md")]
     text += f"\n**{name}**. {table}\n"
 print(text + "<!-- /plan -->")
+EOF
+    exit
+fi
+if [ "${1:-}" = --growth ]; then
+    python3 - "${2:?expected a folder after --growth}" <<'EOF' | "$marks" "$root/encoder/README.md" growth
+import re, sys
+with open(f"{sys.argv[1]}/summary.md") as file:
+    summary = file.read()
+def field(key):
+    return re.search(r"\| " + key + r" \| (.*) \|", summary).group(1)
+exponents = re.findall(r"^\| (joint \w+|paper) \| (texels|views and as many lights) \| ([\d.]+) \| ([\d.]+) \|$",
+                       summary, re.M)
+by = {(method, over): f"{time} / {memory}" for method, over, time, memory in exponents}
+seconds = {}
+for method, texels, time in re.findall(r"^\| (joint \w+|paper); (\d+x\d+) texels; directions ubo \| ([\d.]+) \|", summary, re.M):
+    seconds.setdefault((method, texels), float(time))  # the sweep over directions repeats 32x32
+methods = [method for method, over in by if over == "texels"]
+assert methods and len(by) == 2 * len(methods), "no table of exponents"
+label = {method: method.replace("joint ", "joint, `") + ("`" if method.startswith("joint") else "") for method in methods}
+rows = "".join(f"| {label[m]} | {by[m, 'texels']} | {by[m, 'views and as many lights']} | {seconds[m, '16x16']:.1f}, "
+               f"{seconds[m, '32x32']:.1f}, {seconds[m, '64x64']:.1f} |\n" for m in methods)
+print(f"""<!-- growth: written by tests/bench/readme.sh --growth -->
+`btf-sample` bricks; {field("processor")}; load {field("load before the run")} before the run; one encode each.
+
+| fitted exponents, time / memory | over texels | over views and as many lights | core s of 16x16, 32x32, 64x64 texels |
+| --- | --- | --- | --- |
+{rows}<!-- /growth -->""")
 EOF
     exit
 fi

@@ -37,7 +37,7 @@ planned  planned.png
 fit      fit.png
 bench    tests/bench/README.md#bench encode.png decode.png
 storage  tests/bench/README.md#between storage.png
-growth   growth-texels.png growth-directions.png
+growth   encoder/README.md#growth growth-texels.png growth-directions.png
 plan     tests/bench/README.md#plan
 stochastic stochastic.png
 pathtrace pathtrace.png
@@ -246,7 +246,11 @@ part_storage() {
 }
 part_growth() {
     btf-bench --only growth --repeats 1 --size 64x64 --out "$work/growth-$(commit)"
-    cp "$work/growth-$(commit)"/growth-{texels,directions}.png "$pictures/"
+    local over
+    for over in texels directions; do
+        cp "$work/growth-$(commit)/growth-$over-bricks.png" "$pictures/growth-$over.png"
+    done
+    "$root/tests/bench/readme.sh" --growth "$work/growth-$(commit)"
 }
 part_plan() {
     needs BRICKS64.zip BRICKS64_between.zip UBO_IMPALLA64.zip || return 0
