@@ -54,7 +54,8 @@ static const cli_program program = {
     .max_arguments = 1,
 };
 
-static btf_result run(const char *path) {
+static btf_result run(const cli_arguments *arguments) {
+    const char *path = arguments->values[0];
     btf_log log = cli_log(&program, false);
     btf_material *material = NULL;
     btf_cost_model costs;
@@ -88,10 +89,5 @@ static btf_result run(const char *path) {
 }
 
 int main(int argc, char **argv) {
-    cli_arguments arguments;
-    int exit_code;
-    if (!cli_parse(&program, argc, argv, &arguments, &exit_code)) {
-        return exit_code;
-    }
-    return cli_finish(&program, run(arguments.values[0]));
+    return cli_run(&program, argc, argv, run);
 }
