@@ -9,7 +9,7 @@
 
 #include "decoder/toolkit/exr_image.h"
 #include "decoder/toolkit/output.h"
-#include "encoder/input/bonn_file.h"
+#include "encoder/input/bonn/file.h"
 #include "encoder/input/grid.h"
 #include "encoder/input/radiance.h"
 #include "encoder/input/reader.h"

@@ -6,7 +6,7 @@
 #define OPENBTF_ENCODER_BONN_READER_H
 
 #include "encoder/data/data.h"
-#include "read_options.h"
+#include "encoder/input/read_options.h"
 
 /* Predicted core seconds to make a sample from a factorisation of so many components, on one core of an
  * AMD EPYC (Zen 4). */

@@ -5,7 +5,7 @@
 #ifndef OPENBTF_ENCODER_BONN_DECODE_H
 #define OPENBTF_ENCODER_BONN_DECODE_H
 
-#include "bonn_file.h"
+#include "file.h"
 
 /* The direction side of a file in memory, in the order that is wanted. Immutable once made: shared by
  * threads. */
