@@ -148,8 +148,8 @@ static void print_help(const cli_program *program) {
             print_option(option->short_name, option->name, argument_name(option), option->help);
         }
     }
-    print_option('h', "help", "", "print this and end");
-    print_option(0, "version", "", "print the version and end");
+    print_option('h', "help", "", "print this help and exit");
+    print_option(0, "version", "", "print the version and exit");
     if (program->details) {
         printf("\n%s\n", program->details);
     }

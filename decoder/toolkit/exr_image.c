@@ -296,8 +296,9 @@ static btf_result check_size(reading *r, size_t max_pixels) {
     const int64_t height = (int64_t)r->window.max.y - r->window.min.y + 1;
     if (width < 1 || height < 1 || width > (1 << 20) || height > (1 << 20) ||
         (uint64_t)width * (uint64_t)height > max_pixels) {
-        return fail(r, BTF_ERROR_UNSUPPORTED, "size %lldx%lld is not usable", (long long)width,
-                    (long long)height);
+        return fail(r, BTF_ERROR_UNSUPPORTED,
+                    "size %lldx%lld is not usable: at most 1048576 a side and %zu pixels are read",
+                    (long long)width, (long long)height, max_pixels);
     }
     r->image.width = (int)width;
     r->image.height = (int)height;

@@ -54,7 +54,7 @@ static const cli_option option_table[] = {
      .type = CLI_FLAG,
      .value = &options.all,
      .help = "every sampled view under every sampled light; default where\n"
-             "neither --view nor --light is given and OUT is no image"},
+             "neither --view nor --light is given and OUT is not an image"},
     {EFFECTS_OPTION, .value = &options.effects},
     {COMPONENTS_OPTION, .value = &options.components},
     {.name = "level",

@@ -24,8 +24,7 @@ static const cli_option option_table[] = {
      .value = &options.scene,
      .given = &options.plan,
      .parse = scene_option_parse,
-     .help =
-         "print how a scene is decoded, as the shader options of btf_plan_effects:\n" SCENE_OPTION_HELP},
+     .help = "print the plan that btf_plan_effects makes for a scene. SCENE:\n" SCENE_OPTION_HELP},
     {.name = "costs",
      .arg = "FILE",
      .type = CLI_STRING,

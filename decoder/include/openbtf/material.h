@@ -373,8 +373,8 @@ typedef struct btf_material_desc {
     const uint16_t *preview;
     /** [n_views], 1 where relief acts on the view, else 0; NULL: it acts on all. Only with BTF_EFFECT_RELIEF. */
     const uint8_t *relief_views;
-    const float
-        *effect_differences; /**< as the attribute openbtf.effectDifferences holds them; NULL: none */
+    /** As the attribute openbtf.effectDifferences holds them; NULL: none. */
+    const float *effect_differences;
     size_t effect_difference_count; /**< floats */
 } btf_material_desc;
 

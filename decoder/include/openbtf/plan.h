@@ -45,8 +45,9 @@ typedef struct btf_scene {
      * their sum can be folded (btf_gl_fold_run_lights). */
     int still_lights;
     int no_fold; /**< 1: nothing will be folded (openbtf/fold.h), and no plan counts on it */
-    double
-        folded_pixels; /**< shown while what is fixed stays; a fold that takes more to pay is not made. 0: enough */
+    /** Pixels that are shown before what is fixed changes; a fold that needs more of them to pay is not made. 0: enough
+     * for every fold. */
+    double folded_pixels;
     size_t folded_bytes; /**< most bytes of a fold, a larger one is not made; 0: any */
 } btf_scene;
 

@@ -66,7 +66,7 @@ static const cli_option option_table[] = {
      .given = &options.plan_given,
      .parse = scene_option_parse,
      .help = "write only what a scene needs, which chooses effects, components, interpolation,\n"
-             "filter and level of detail: " SCENE_OPTION_HELP},
+             "filter and level of detail. SCENE:\n" SCENE_OPTION_HELP},
     {.name = "costs",
      .arg = "FILE",
      .type = CLI_STRING,

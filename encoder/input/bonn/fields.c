@@ -23,7 +23,7 @@ const unsigned char *enc_bonn_take(enc_bonn_cursor *c, uint64_t size, const char
     }
     if (size > c->size - c->at) {
         enc_bonn_refuse(c, BTF_ERROR_BAD_FILE, c->at, field,
-                        "the file ends within it; bytes that it takes:", (double)size);
+                        "the file ends within this field, whose bytes number", (double)size);
         return NULL;
     }
     c->at += size;
