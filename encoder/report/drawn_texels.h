@@ -9,7 +9,7 @@
 
 #include <stdint.h>
 
-/* A well-mixed number of 64 bits (SplitMix64). */
+/* A well-mixed number of 64 bits (SplitMix64; Steele, Lea and Flood 2014). */
 static inline uint64_t enc_mix(uint64_t x) {
     x += 0x9E3779B97F4A7C15u;
     x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
