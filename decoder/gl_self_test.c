@@ -51,14 +51,37 @@ static btf_result run_arithmetic(const btfi_gl_functions *gl, const char *versio
     return run_program(gl, btfi_gl_program(gl, 4, parts, "self-test", log), 0, log, failures);
 }
 
+/* A new texture of so many mip levels, bound, for fetches of single texels. */
+static uint32_t make_texture(const btfi_gl_functions *gl, uint32_t target, int32_t levels) {
+    uint32_t texture = 0;
+    gl->GenTextures(1, &texture);
+    gl->BindTexture(target, texture);
+    gl->TexParameteri(target, GL_TEXTURE_MIN_FILTER, levels > 1 ? GL_NEAREST_MIPMAP_NEAREST : GL_NEAREST);
+    gl->TexParameteri(target, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl->TexParameteri(target, GL_TEXTURE_MAX_LEVEL, levels - 1);
+    return texture;
+}
+
+/* Runs a program that fetches from the sampler btf_texels, a `sampler` ("usampler2D"), and deletes the texture. */
+static btf_result run_with_texture(const btfi_gl_functions *gl, const char *version, const char *sampler,
+                                   const char *main_text, uint32_t texture, int32_t unit,
+                                   const btf_log *log, uint32_t *failures) {
+    const char *parts[] = {version,
+                           "precision highp float;\n"
+                           "precision highp int;\n"
+                           "out highp uvec4 btf_result;\n"
+                           "uniform highp ",
+                           sampler, " btf_texels;\n", main_text};
+    const uint32_t program = btfi_gl_program(gl, 5, parts, "self-test", log);
+    const btf_result result = run_program(gl, program, unit, log, failures);
+    gl->DeleteTextures(1, &texture);
+    return result;
+}
+
 /* Four neighbouring pixels fetch from different mip levels, together and while the first of them rests
  * (Mesa's softpipe takes the first one's level for all, what it may be). */
 static btf_result run_levels(const btfi_gl_functions *gl, const char *version, int32_t unit,
                              const btf_log *log, uint32_t *failures) {
-    static const char head_text[] = "precision highp float;\n"
-                                    "precision highp int;\n"
-                                    "uniform highp usampler2D btf_texels;\n"
-                                    "out highp uvec4 btf_result;\n";
     static const char main_text[] =
         "uint wrong(int level) {\n"
         "    return texelFetch(btf_texels, ivec2(0), level).x ^ (0x1234567u << uint(level));\n"
@@ -70,13 +93,9 @@ static btf_result run_levels(const btfi_gl_functions *gl, const char *version, i
         "        sum |= wrong(2 - p.x - p.y) | wrong(0);\n"
         "    btf_result = uvec4(sum != 0u ? 128u : 0u, 0x42544621u, 0u, 0u);\n"
         "}\n";
-    uint32_t texture = 0;
-    gl->GenTextures(1, &texture);
-    gl->BindTexture(GL_TEXTURE_2D, texture);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST_MIPMAP_NEAREST);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 2);
-    for (int32_t level = 0; level < 3; ++level) {
+    enum { LEVELS = 3 };
+    const uint32_t texture = make_texture(gl, GL_TEXTURE_2D, LEVELS);
+    for (int32_t level = 0; level < LEVELS; ++level) {
         uint32_t texels[16][4];
         for (int i = 0; i < 16; ++i) {
             texels[i][0] = texels[i][1] = texels[i][2] = texels[i][3] = 0x1234567u << level;
@@ -84,20 +103,12 @@ static btf_result run_levels(const btfi_gl_functions *gl, const char *version, i
         gl->TexImage2D(GL_TEXTURE_2D, level, GL_RGBA32UI, 4 >> level, 4 >> level, 0, GL_RGBA_INTEGER,
                        GL_UNSIGNED_INT, texels);
     }
-    const char *parts[] = {version, head_text, "", main_text};
-    btf_result result =
-        run_program(gl, btfi_gl_program(gl, 4, parts, "self-test", log), unit, log, failures);
-    gl->DeleteTextures(1, &texture);
-    return result;
+    return run_with_texture(gl, version, "usampler2D", main_text, texture, unit, log, failures);
 }
 
 /* Four neighbouring pixels fetch texels of 128 bits from different layers of an array, as factors do. */
 static btf_result run_array(const btfi_gl_functions *gl, const char *version, int32_t unit,
                             const btf_log *log, uint32_t *failures) {
-    static const char head_text[] = "precision highp float;\n"
-                                    "precision highp int;\n"
-                                    "uniform highp usampler2DArray btf_texels;\n"
-                                    "out highp uvec4 btf_result;\n";
     static const char main_text[] =
         "void main() {\n"
         "    ivec2 p = ivec2(gl_FragCoord.xy);\n"
@@ -110,31 +121,19 @@ static btf_result run_array(const btfi_gl_functions *gl, const char *version, in
         "    }\n"
         "    btf_result = uvec4(wrong != uvec4(0u) ? 256u : 0u, 0x42544621u, 0u, 0u);\n"
         "}\n";
-    uint32_t texture = 0, words[3 * SIDE * SIDE * 4];
+    uint32_t words[3 * SIDE * SIDE * 4];
     for (uint32_t i = 0; i < sizeof words / sizeof *words; ++i) {
         words[i] = (i + 1) * 0x9E3779B9u;
     }
-    gl->GenTextures(1, &texture);
-    gl->BindTexture(GL_TEXTURE_2D_ARRAY, texture);
-    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, 0);
+    const uint32_t texture = make_texture(gl, GL_TEXTURE_2D_ARRAY, 1);
     gl->TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA32UI, SIDE, SIDE, 3, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
                    words);
-    const char *parts[] = {version, head_text, "", main_text};
-    btf_result result =
-        run_program(gl, btfi_gl_program(gl, 4, parts, "self-test", log), unit, log, failures);
-    gl->DeleteTextures(1, &texture);
-    return result;
+    return run_with_texture(gl, version, "usampler2DArray", main_text, texture, unit, log, failures);
 }
 
 /* Four neighbouring pixels fetch half a byte and then the layer that it names, as lists of points do. */
 static btf_result run_lists(const btfi_gl_functions *gl, const char *version, int32_t unit,
                             const btf_log *log, uint32_t *failures) {
-    static const char head_text[] = "precision highp float;\n"
-                                    "precision highp int;\n"
-                                    "uniform highp usampler2DArray btf_texels;\n"
-                                    "out highp uvec4 btf_result;\n";
     static const char main_text[] =
         "void main() {\n"
         "    uvec2 p = uvec2(gl_FragCoord.xy);\n"
@@ -161,19 +160,10 @@ static btf_result run_lists(const btfi_gl_functions *gl, const char *version, in
             bytes[layer][i][1] = (uint8_t)(word >> 8);
         }
     }
-    uint32_t texture = 0;
-    gl->GenTextures(1, &texture);
-    gl->BindTexture(GL_TEXTURE_2D_ARRAY, texture);
-    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, 0);
+    const uint32_t texture = make_texture(gl, GL_TEXTURE_2D_ARRAY, 1);
     gl->TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RG8UI, SIDE, SIDE, LAYERS, 0, GL_RG_INTEGER, GL_UNSIGNED_BYTE,
                    bytes);
-    const char *parts[] = {version, head_text, "", main_text};
-    btf_result result =
-        run_program(gl, btfi_gl_program(gl, 4, parts, "self-test", log), unit, log, failures);
-    gl->DeleteTextures(1, &texture);
-    return result;
+    return run_with_texture(gl, version, "usampler2DArray", main_text, texture, unit, log, failures);
 }
 
 btf_result btf_gl_self_test(const btf_gl_options *options, const btf_log *log, uint32_t *out_failures) {

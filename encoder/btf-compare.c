@@ -3,13 +3,14 @@
  * SPDX-License-Identifier: MIT
  */
 #include "decoder/toolkit/file.h"
+#include "decoder/toolkit/decode_options.h"
 #include "decoder/toolkit/filter.h"
 #include "decoder/toolkit/progress.h"
 #include "encoder/base/stage.h"
 #include "encoder/between/blend.h"
 #include "encoder/between/decode.h"
 #include "encoder/data/images.h"
-#include "encoder/input/bonn_file.h"
+#include "encoder/input/bonn/file.h"
 #include "encoder/input/options.h"
 #include "encoder/model/evaluated_images.h"
 #include "encoder/report/between.h"
@@ -80,8 +81,7 @@ static const cli_option table[] = {
      .minimum = 1,
      .maximum = 1024,
      .help = "default: all cores"},
-    {.short_name = 'q', .name = "quiet", .type = CLI_FLAG, .value = &o.quiet,
-     .help = "no progress, no information; warnings stay"},
+    {QUIET_OPTION, .value = &o.quiet},
     {.type = CLI_END},
 };
 

@@ -153,7 +153,7 @@ def marked(text, names, here):
 
 
 def row_of(cells):
-    return '| ' + ' | '.join(cell.replace('\n', ' ').replace('|', '\\|') for cell in cells) + ' |'
+    return '| ' + ' | '.join(re.sub(r'\s+', ' ', cell).replace('|', '\\|') for cell in cells) + ' |'
 
 
 def page(root):

@@ -60,7 +60,8 @@ btf_result btf_gl_light_sampling_create(const btf_light_sampling *sampling, cons
         *out_sampling = NULL;
     }
     if (!sampling || !out_sampling) {
-        return btfi_fail(log, BTF_ERROR_USAGE, "sampling: tables or the result are missing");
+        return btfi_fail(log, BTF_ERROR_USAGE,
+                         "sampling: the pointer to the tables or to the result is NULL");
     }
     btf_gl_light_sampling *s = calloc(1, sizeof *s);
     if (!s) {

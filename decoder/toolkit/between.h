@@ -11,8 +11,9 @@
 /* Effects that change nothing at the samples. */
 enum { BETWEEN_EFFECTS = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
 
-/* dB, linear and sRGB-coded, that an effect adds where views (of gloss: views and lights) are left out and predicted
- * from the others, by the material's table of errors between the samples; false where that does not tell. */
+/* dB, linear and sRGB-coded, that an effect adds where views (of gloss: views and lights) are left out and
+ * predicted from the others, by the material's table of errors between the samples; returns false where the table
+ * does not say. */
 bool between_gain(const btf_material *material, uint32_t effect, double out_gain[2]);
 
 #endif

@@ -1,5 +1,5 @@
-/* Options that every tool which decodes has in the same words: members of a cli_option, beside which stand .value and, where
- * it is wanted, .given.
+/* Options that several tools which decode have in the same words: members of a cli_option, to which each tool adds
+ * .value and, where it is wanted, .given.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -7,6 +7,7 @@
 #define OPENBTF_TOOLKIT_DECODE_OPTIONS_H
 
 #include "cli.h"
+#include "filter.h"
 
 #include <openbtf/material.h>
 
@@ -20,5 +21,25 @@
 #define INTERPOLATION_OPTION                                                                               \
     .name = "interpolation", .type = CLI_CHOICE, .choices = "linear|nearest",                              \
     .help = "between sampled directions (default linear)"
+
+/* A uint32_t of btf_effect bits. */
+#define EFFECTS_OPTION                                                                                     \
+    .name = "effects", .type = CLI_EFFECTS, .help = "effects to decode (default: all that the file holds)"
+
+/* An int, by value of btf_filter. */
+#define FILTER_OPTION                                                                                      \
+    .name = "filter", .type = CLI_CHOICE, .choices = FILTER_CHOICES,                                       \
+    .help = "between texels (default texel); steep: bilinear, but a texel keeps its\n"                     \
+            "middle half to itself"
+
+/* An int, by value of btf_math. */
+#define MATH_OPTION                                                                                        \
+    .name = "math", .type = CLI_CHOICE, .choices = "exact|fast",                                           \
+    .help = "exact: the same bits on every device (default); fast: the device's own functions"
+
+/* A bool. */
+#define QUIET_OPTION                                                                                       \
+    .short_name = 'q', .name = "quiet", .type = CLI_FLAG,                                                  \
+    .help = "no progress, no information; warnings stay"
 
 #endif

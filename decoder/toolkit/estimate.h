@@ -1,9 +1,9 @@
 /* Estimates how much of a job is done and how long the rest takes, from the predicted costs of its stages and a
  * clock.
  *
- * Costs are in any unit: only their ratios count. The rate is what the cost done so far took; within a
- * stage it passes over to the stage's own. A stage that is left early, or not run at all (a checkpoint had
- * it), counts as done, but its missing part tells nothing about the rate.
+ * Costs are in any unit: only their ratios count. The rate, seconds a unit of cost, is that of the stages done so
+ * far; in the course of a stage it turns into the stage's own rate. A stage that is left early, or not run at all
+ * (a checkpoint had it), counts as done, but its missing part tells nothing about the rate.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -26,26 +26,26 @@ typedef struct estimate {
     size_t count;
     double total;           /* cost of all */
     size_t at;              /* stage at work, or that comes next */
-    bool active;            /* it is at work; false between stages and in one that was not foreseen */
+    bool active;            /* the stage is at work; false between stages, or in one not foreseen */
     double began, at_began; /* times: of the job, of the stage */
-    double passed, worked;  /* costs of the stages behind: whole ones; what of them was really done */
+    double passed, worked;  /* cost of the stages gone by: as predicted; the part that was done */
     double within;          /* part of the stage at work that is done, 0 .. 1 */
     bool jumped;            /* something was passed over since the last estimate */
     double shown;           /* largest fraction so far */
     double left, left_at;   /* smoothed time left, and when; below 0: none yet */
 } estimate;
 
-/* A job of `count` stages (at most ESTIMATE_PARTS, those beyond are one), beginning now. */
+/* Begins a job of `count` stages now; those beyond ESTIMATE_PARTS count as one. */
 void estimate_begin(estimate *e, const estimate_part *parts, size_t count, double now);
 
-/* The stage of this name is at work from now on; those before it that never were are passed over. A name
- * that does not come any more is no stage of the job: its time counts, its progress does not. */
+/* Says that the stage of this name is at work from now on; stages before it that never were are passed over. Where
+ * no stage to come has this name, the stage is not part of the job: its time counts, its progress does not. */
 void estimate_stage(estimate *e, const char *stage, double now);
 
-/* The part 0 .. 1 of the stage that is done. */
+/* Says which part of the stage is done, 0 .. 1. */
 void estimate_within(estimate *e, double part, double now);
 
-/* The stage is over; `part` of it was run. */
+/* Says that the stage is over, and which part of it was run. */
 void estimate_stage_end(estimate *e, double part, double now);
 
 /* Fraction of the job that is done, 0 .. 1; never less than before. */

@@ -1,4 +1,4 @@
-/* The two things of EXIF that matter here: whether the picture is stored turned, and another colour space.
+/* Statements of EXIF and XMP. See exif.h.
  * Of XMP, the first.
  *
  * SPDX-License-Identifier: MIT

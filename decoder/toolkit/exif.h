@@ -1,4 +1,4 @@
-/* The two things of EXIF that matter here: whether the picture is stored turned, and another colour space. Of
+/* Reads two statements of EXIF: whether the picture is stored turned, and whether its colour space is not sRGB. Of
  * XMP, the first.
  *
  * SPDX-License-Identifier: MIT

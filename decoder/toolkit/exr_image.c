@@ -7,12 +7,13 @@
 #include "decoder/pixels/exr_choose.h"
 #include "decoder/pixels/exr_chroma.h"
 #include "decoder/pixels/exr_pixels.h"
-#include "output.h"
 #include "decoder/pixels/spectrum.h"
+#include "decoder/toolkit/exr/attributes.h"
+#include "decoder/toolkit/exr/rgb_part.h"
+#include "output.h"
 
 #include <openexr.h>
 
-#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdint.h>
@@ -90,8 +91,8 @@ typedef struct reading {
     image_info *info;
     exr_attr_box2i_t window;
     const exr_attr_chlist_t *list;
-    bool tiled, has_chromaticities;
-    primaries primaries;
+    bool tiled;
+    exr_attributes attributes;
     int x_step, y_step; /* of chroma */
     size_t bands;       /* of a spectrum, by rising wavelength */
     int *band_channel;
@@ -157,7 +158,7 @@ static btf_result check_sampling(reading *r) {
 /* Luminance and chroma to RGB, the luminance of R, G and B being that of the file's primaries. */
 static btf_result finish_chroma(const reading *r) {
     double xyz[9];
-    if (!primaries_to_xyz(&r->primaries, xyz) || !(fabs(xyz[4]) > 1e-6)) {
+    if (!primaries_to_xyz(&r->attributes.primaries, xyz) || !(fabs(xyz[4]) > 1e-6)) {
         return fail(r, BTF_ERROR_BAD_FILE, "the chromaticities span no colour space");
     }
     const float weights[3] = {(float)xyz[3], (float)xyz[4], (float)xyz[5]};
@@ -295,153 +296,12 @@ static btf_result check_size(reading *r, size_t max_pixels) {
     const int64_t height = (int64_t)r->window.max.y - r->window.min.y + 1;
     if (width < 1 || height < 1 || width > (1 << 20) || height > (1 << 20) ||
         (uint64_t)width * (uint64_t)height > max_pixels) {
-        return fail(r, BTF_ERROR_UNSUPPORTED, "size %lldx%lld is not usable", (long long)width,
-                    (long long)height);
+        return fail(r, BTF_ERROR_UNSUPPORTED,
+                    "size %lldx%lld is not usable: at most 1048576 a side and %zu pixels are read",
+                    (long long)width, (long long)height, max_pixels);
     }
     r->image.width = (int)width;
     r->image.height = (int)height;
-    return BTF_OK;
-}
-
-static void take_chromaticities(reading *r) {
-    exr_attr_chromaticities_t c;
-    r->primaries = primaries_rec709;
-    if (exr_attr_get_chromaticities(r->context, r->choice.part, "chromaticities", &c) != EXR_ERR_SUCCESS ||
-        r->choice.kind == EXR_KIND_XYZ || r->choice.kind == EXR_KIND_SPECTRUM) {
-        return;
-    }
-    r->has_chromaticities = true;
-    r->primaries = (primaries){{(double)c.red_x, (double)c.red_y},
-                               {(double)c.green_x, (double)c.green_y},
-                               {(double)c.blue_x, (double)c.blue_y},
-                               {(double)c.white_x, (double)c.white_y}};
-    if (r->choice.kind != EXR_KIND_GREY) {
-        image_info_primaries(r->info, "EXR chromaticities", &r->primaries);
-    }
-}
-
-/* Whether an attribute of that name says in which colour space the pixels are: "colorInteropID",
- * "oiio:ColorSpace", "colorspace", "arnold/color_space". */
-static bool names_space(const char *name) {
-    static const char *const names[] = {"colorInteropID", "colorspace", "color_space", "colourspace"};
-    const char *own = name;
-    for (const char *at = name; *at; at++) {
-        if (strchr(":/.", *at)) {
-            own = at + 1;
-        }
-    }
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        if (strcasecmp(own, names[i]) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Whether the name of a colour space means linear Rec. 709: "lin_srgb", "Linear Rec.709", "scene_linear". */
-static bool is_linear_rec709(const char *name) {
-    static const char *const linear[] = {"linear",
-                                         "scenelinear",
-                                         "raw",
-                                         "data",
-                                         "linsrgb",
-                                         "linearsrgb",
-                                         "srgblinear",
-                                         "linrec709",
-                                         "linearrec709",
-                                         "linsrgbscene",
-                                         "linrec709scene",
-                                         "linearrec709srgb",
-                                         "utilitylinearsrgb",
-                                         "scenelinearrec709srgb"};
-    char plain[40];
-    size_t used = 0;
-    for (; *name && used + 1 < sizeof plain; name++) {
-        if (isalnum((unsigned char)*name)) {
-            plain[used++] = (char)tolower((unsigned char)*name);
-        }
-    }
-    plain[used] = '\0';
-    for (size_t i = 0; i < sizeof linear / sizeof *linear; i++) {
-        if (strcmp(plain, linear[i]) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Notes other words of the file on its colours, where it has no chromaticities: OpenEXR has no attribute of
- * its own for it, and writers use several. */
-static void note_space(reading *r) {
-    int32_t count = 0;
-    if (r->has_chromaticities ||
-        exr_get_attribute_count(r->context, r->choice.part, &count) != EXR_ERR_SUCCESS) {
-        return;
-    }
-    for (int32_t i = 0; i < count; i++) {
-        const exr_attribute_t *a;
-        if (exr_get_attribute_by_index(r->context, r->choice.part, EXR_ATTR_LIST_FILE_ORDER, i, &a) !=
-            EXR_ERR_SUCCESS) {
-            continue;
-        }
-        if (a->type == EXR_ATTR_STRING && names_space(a->name) && !is_linear_rec709(a->string->str)) {
-            image_note(r->info, IMAGE_NOTE_SPACE,
-                       "EXR: %.60s \"%.60s\" is not applied: taken as linear Rec. 709", a->name,
-                       a->string->str);
-        }
-        if (a->type == EXR_ATTR_INT && strcmp(a->name, "acesImageContainerFlag") == 0 && a->i == 1) {
-            image_note(
-                r->info, IMAGE_NOTE_SPACE,
-                "EXR: acesImageContainerFlag without chromaticities is not applied: taken as Rec. 709");
-        }
-    }
-}
-
-/* A stereo picture in one part: its first view has the names without a layer. */
-static void note_views(reading *r) {
-    const exr_attribute_t *a;
-    if (r->choice.layer[0] ||
-        exr_get_attribute_by_name(r->context, r->choice.part, "multiView", &a) != EXR_ERR_SUCCESS ||
-        a->type != EXR_ATTR_STRING_VECTOR || a->stringvector->n_strings < 2) {
-        return;
-    }
-    image_note(r->info, IMAGE_NOTE_PARTS,
-               "EXR: of %d views \"%.60s\" is read (option layer: \"%.60s\" reads another)",
-               (int)a->stringvector->n_strings, a->stringvector->strings[0].str,
-               a->stringvector->strings[1].str);
-}
-
-static btf_result heed_attributes(reading *r) {
-    const int part = r->choice.part;
-    exr_attr_box2i_t display;
-    float number;
-    int32_t orientation;
-    exr_envmap_t envmap;
-    if (exr_attr_get_int(r->context, part, "Orientation", &orientation) == EXR_ERR_SUCCESS &&
-        orientation != 1) {
-        return fail(r, BTF_ERROR_UNSUPPORTED, "Orientation %d: turn the pixels, then set it to 1",
-                    (int)orientation);
-    }
-    if (exr_get_display_window(r->context, part, &display) == EXR_ERR_SUCCESS &&
-        memcmp(&display, &r->window, sizeof display) != 0) {
-        image_note(r->info, IMAGE_NOTE_WINDOW,
-                   "EXR: the data window (%d,%d)-(%d,%d) is read, not the display window (%d,%d)-(%d,%d)",
-                   (int)r->window.min.x, (int)r->window.min.y, (int)r->window.max.x, (int)r->window.max.y,
-                   (int)display.min.x, (int)display.min.y, (int)display.max.x, (int)display.max.y);
-    }
-    if (exr_get_pixel_aspect_ratio(r->context, part, &number) == EXR_ERR_SUCCESS && number != 1.0f) {
-        image_note(r->info, IMAGE_NOTE_ASPECT,
-                   "EXR: pixelAspectRatio %g is not applied: pixels are taken as square", (double)number);
-    }
-    if (exr_attr_get_float(r->context, part, "whiteLuminance", &number) == EXR_ERR_SUCCESS) {
-        image_note(r->info, IMAGE_NOTE_SCALE,
-                   "EXR: whiteLuminance %g cd/m^2 is not applied: values are relative", (double)number);
-    }
-    r->image.cube = exr_attr_get_envmap(r->context, part, "envmap", &envmap) == EXR_ERR_SUCCESS &&
-                    envmap == EXR_ENVMAP_CUBE;
-    take_chromaticities(r);
-    note_space(r);
-    note_views(r);
     return BTF_OK;
 }
 
@@ -480,7 +340,9 @@ static btf_result decode(reading *r, const char *layer, size_t max_pixels) {
         result = check_sampling(r);
     }
     if (result == BTF_OK) {
-        result = heed_attributes(r);
+        result = exr_attributes_heed(r->context, &r->choice, &r->window, &r->attributes, r->info,
+                                     r->message, r->message_size);
+        r->image.cube = r->attributes.cube;
     }
     current->text[0] = '\0'; /* OpenEXRCore complains of attributes that are not there */
     return result == BTF_OK ? read_samples(r) : result;
@@ -516,77 +378,6 @@ btf_result exr_image_read(const void *data, size_t size, size_t max_pixels, cons
     return result;
 }
 
-static exr_result_t describe_part(exr_context_t context, int width, int height, bool half) {
-    int part;
-    const exr_attr_box2i_t window = {.max = {.x = width - 1, .y = height - 1}};
-    const exr_attr_v2f_t centre = {.x = 0.0f, .y = 0.0f};
-    exr_result_t code = exr_add_part(context, "image", EXR_STORAGE_SCANLINE, &part);
-    if (code == EXR_ERR_SUCCESS) {
-        code = exr_initialize_required_attr(context, part, &window, &window, 1.0f, &centre, 1.0f,
-                                            EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
-    }
-    static const char *const names[3] = {"B", "G", "R"}; /* files list channels by name */
-    for (int c = 0; c < 3 && code == EXR_ERR_SUCCESS; c++) {
-        code = exr_add_channel(context, part, names[c], half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
-                               EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
-    }
-    return code == EXR_ERR_SUCCESS ? exr_write_header(context) : code;
-}
-
-typedef exr_result_t (*compress_function)(exr_encode_pipeline_t *pipeline);
-typedef struct encoder_state {
-    compress_function compress; /* OpenEXRCore's own */
-} encoder_state;
-
-/* A chunk that deflates to exactly its plain length is taken for plain data by every reader, but
- * OpenEXRCore 3.1.5 writes it deflated. Here it is written plain, as any chunk that does not shrink. */
-static exr_result_t compress_chunk(exr_encode_pipeline_t *pipeline) {
-    const encoder_state *state = pipeline->encoding_user_data;
-    const exr_result_t code = state->compress(pipeline);
-    if (code == EXR_ERR_SUCCESS && pipeline->compressed_bytes >= pipeline->packed_bytes) {
-        memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes);
-        pipeline->compressed_bytes = pipeline->packed_bytes;
-    }
-    return code;
-}
-
-static exr_result_t encode_chunks(exr_context_t context, int width, int height, const float *rgb,
-                                  exr_encode_pipeline_t *pipeline) {
-    int32_t lines;
-    encoder_state state;
-    exr_result_t code = exr_get_scanlines_per_chunk(context, 0, &lines);
-    for (int y = 0; code == EXR_ERR_SUCCESS && y < height; y += lines) {
-        exr_chunk_info_t chunk = {0};
-        code = exr_write_scanline_chunk_info(context, 0, y, &chunk);
-        if (code == EXR_ERR_SUCCESS) {
-            code = y == 0 ? exr_encoding_initialize(context, 0, &chunk, pipeline)
-                          : exr_encoding_update(context, 0, &chunk, pipeline);
-        }
-        if (code != EXR_ERR_SUCCESS) {
-            return code;
-        }
-        for (int i = 0; i < pipeline->channel_count; i++) {
-            exr_coding_channel_info_t *channel = &pipeline->channels[i];
-            const int c = strchr("RGB", channel->channel_name[0]) - "RGB";
-            channel->encode_from_ptr = (const uint8_t *)(rgb + (size_t)y * (size_t)width * 3 + (size_t)c);
-            channel->user_pixel_stride = 3 * (int32_t)sizeof(float);
-            channel->user_line_stride = width * 3 * (int32_t)sizeof(float);
-            channel->user_bytes_per_element = sizeof(float);
-            channel->user_data_type = EXR_PIXEL_FLOAT;
-        }
-        if (y == 0) {
-            code = exr_encoding_choose_default_routines(context, 0, pipeline);
-            state.compress = pipeline->compress_fn;
-            pipeline->compress_fn = compress_chunk;
-            pipeline->encoding_user_data = &state;
-        }
-        if (code == EXR_ERR_SUCCESS) {
-            code = exr_encoding_run(context, 0, pipeline);
-        }
-    }
-    return code;
-}
-
 /* A copy whose values fit a half float. */
 static float *clamp_to_half(const float *rgb, size_t count) {
     float *copy = malloc(count * sizeof *copy);
@@ -618,17 +409,10 @@ btf_result exr_image_write(const char *path, int width, int height, const float 
     options.user_data = &stream;
     options.write_fn = on_write;
     exr_context_t context = NULL;
-    exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
     current = &stream;
     exr_result_t code = exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &options);
     if (code == EXR_ERR_SUCCESS) {
-        code = describe_part(context, width, height, half);
-    }
-    if (code == EXR_ERR_SUCCESS) {
-        code = encode_chunks(context, width, height, rgb, &pipeline);
-    }
-    if (context) {
-        exr_encoding_destroy(context, &pipeline);
+        code = exr_rgb_part_write(context, width, height, rgb, half);
     }
     const exr_result_t finished = exr_finish(&context);
     current = NULL;

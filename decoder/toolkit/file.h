@@ -9,9 +9,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* An error message on log (may be NULL). */
+/* Sends an error message to log (may be NULL). */
 void file_say(const btf_log *log, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* The same as a warning: the call goes on. */
+/* Sends a warning: the call goes on. */
 void file_warn(const btf_log *log, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* The last message of a log that file_log_keep() made, cut where it is longer; "" where there was none. */
@@ -28,8 +28,8 @@ bool file_is_exr(const char *path);
 /* Whether a name ends in `ending` (".png"), in any case, behind at least one character. */
 bool file_ends_in(const char *path, const char *ending);
 
-/* *out_data[*out_size] is malloc'ed, a zero byte follows. Errors, named on log: BTF_ERROR_IO,
- * BTF_ERROR_UNSUPPORTED (above `most` bytes), BTF_ERROR_MEMORY. */
+/* Reads a whole file: *out_data[*out_size] is malloc'ed, and a zero byte follows. Errors, named on log:
+ * BTF_ERROR_IO, BTF_ERROR_UNSUPPORTED (above `most` bytes), BTF_ERROR_MEMORY. */
 btf_result file_read(const char *path, size_t most, const btf_log *log, char **out_data, size_t *out_size);
 
 #endif

@@ -12,8 +12,8 @@
 /* A file being written. Used by one thread at a time; several may be open at once. */
 typedef struct output output;
 
-/* For a library within somebody else's program: no handler of signals or of exit is installed by output_open from here on,
- * so that a temporary file stays where a signal ends the program. */
+/* For a library within somebody else's program: from here on output_open installs no handlers of signals or of
+ * exit, so that a temporary file stays behind where a signal ends the program. */
 void output_leave_signals(void);
 
 /* Creates `.NAME.PID-N.tmp` beside `path`, first removing such files that a dead process left there. A
@@ -23,7 +23,7 @@ void output_leave_signals(void);
  * BTF_ERROR_IO does. Errors: BTF_ERROR_IO (named on log), BTF_ERROR_MEMORY. */
 btf_result output_open(const char *path, btf_log log, output **out_output);
 
-/* Where to write: a stream (owned by the output), or a path for writers that open files themselves. */
+/* The stream to write to, owned by the output; or the path, for writers that open files themselves. */
 FILE *output_stream(output *file);
 const char *output_temporary_path(const output *file);
 

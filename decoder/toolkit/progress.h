@@ -23,12 +23,12 @@ typedef struct progress_stage {
 progress *progress_create(bool quiet);
 void progress_destroy(progress **p);
 
-/* Sets the stages that the job has, from here on: percent and time left are those of the whole job, weighed by
- * the predicted costs. Without it each stage is a job of its own. */
+/* Sets the stages that the job will have: from here on percent and time left are those of the whole job, weighed by
+ * the predicted costs. Without this call each stage is a job of its own. */
 void progress_plan(progress *p, const estimate_part *parts, size_t count);
 
-/* Stages follow one another; progress_step may be called from any thread. A stage whose steps do not reach
- * `total` was left early; one of total 0 has none. */
+/* Begins a stage, counts its steps, ends it; stages follow one another. progress_step may be called from any
+ * thread. A stage whose steps do not reach `total` was left early; a stage of total 0 has no steps. */
 void progress_begin(progress *p, const char *stage, size_t total);
 void progress_step(progress *p, size_t steps);
 void progress_end(progress *p);

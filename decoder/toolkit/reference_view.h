@@ -1,4 +1,4 @@
-/* A material of the library as the reference decoder takes it.
+/* Hands a material of the library to the reference decoder.
  *
  * SPDX-License-Identifier: MIT
  */

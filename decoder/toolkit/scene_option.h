@@ -19,10 +19,11 @@ typedef struct scene_option {
 
 /* The words that the option takes, for --help. */
 #define SCENE_OPTION_HELP                                                                                  \
-    "views=T0:T1[:P0:P1] and lights=... ranges of theta and phi in degrees (default everything),\n"        \
-    "view=T:P and light=T:P one direction that never changes, pixels=X side of a texel on the screen,\n"   \
-    "count=N lights a pixel, tolerance=DB below the full decode (default 0.5), interpolate: never\n"       \
-    "nearest directions; commas between, \"all\" for all defaults"
+    "views=T0:T1[:P0:P1] and lights=..., ranges of theta and phi in degrees\n"                             \
+    "(default all); view=T:P and light=T:P, one direction that never changes;\n"                           \
+    "pixels=X, the side of a texel on the screen; count=N lights a pixel;\n"                               \
+    "tolerance=DB below the full decode (default 0.5); interpolate, never take\n"                          \
+    "the nearest direction alone. Commas between them; \"all\": the defaults"
 
 /* Help of --costs. */
 #define COSTS_OPTION_HELP                                                                                  \

@@ -54,11 +54,8 @@ static const cli_option option_table[] = {
      .type = CLI_FLAG,
      .value = &options.all,
      .help = "every sampled view under every sampled light; default where\n"
-             "neither --view nor --light is given and OUT is no image"},
-    {.name = "effects",
-     .type = CLI_EFFECTS,
-     .value = &options.effects,
-     .help = "effects to decode (default: all that the file holds)"},
+             "neither --view nor --light is given and OUT is not an image"},
+    {EFFECTS_OPTION, .value = &options.effects},
     {COMPONENTS_OPTION, .value = &options.components},
     {.name = "level",
      .arg = "N",
@@ -91,7 +88,7 @@ static const cli_option option_table[] = {
      .minimum = 1,
      .maximum = 1024,
      .help = "threads of --all (default: all cores)"},
-    {.short_name = 'q', .name = "quiet", .type = CLI_FLAG, .value = &options.quiet, .help = "no progress"},
+    {QUIET_OPTION, .value = &options.quiet},
     {.type = CLI_END},
 };
 
@@ -414,7 +411,8 @@ static btf_result make_decoder(const char *path, const btf_material *material, d
     return make_positions(d) ? BTF_OK : cli_error(&program, BTF_ERROR_MEMORY, "out of memory for an image");
 }
 
-static btf_result run(const char *path) {
+static btf_result run(const cli_arguments *arguments) {
+    const char *path = arguments->values[0];
     btf_result result = check_options();
     if (result) {
         return result;
@@ -441,10 +439,5 @@ static btf_result run(const char *path) {
 }
 
 int main(int argc, char **argv) {
-    cli_arguments arguments;
-    int exit_code;
-    if (!cli_parse(&program, argc, argv, &arguments, &exit_code)) {
-        return exit_code;
-    }
-    return cli_finish(&program, run(arguments.values[0]));
+    return cli_run(&program, argc, argv, run);
 }

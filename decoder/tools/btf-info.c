@@ -24,8 +24,7 @@ static const cli_option option_table[] = {
      .value = &options.scene,
      .given = &options.plan,
      .parse = scene_option_parse,
-     .help =
-         "print how a scene is decoded, as the shader options of btf_plan_effects:\n" SCENE_OPTION_HELP},
+     .help = "print the plan that btf_plan_effects makes for a scene. SCENE:\n" SCENE_OPTION_HELP},
     {.name = "costs",
      .arg = "FILE",
      .type = CLI_STRING,
@@ -54,7 +53,8 @@ static const cli_program program = {
     .max_arguments = 1,
 };
 
-static btf_result run(const char *path) {
+static btf_result run(const cli_arguments *arguments) {
+    const char *path = arguments->values[0];
     btf_log log = cli_log(&program, false);
     btf_material *material = NULL;
     btf_cost_model costs;
@@ -88,10 +88,5 @@ static btf_result run(const char *path) {
 }
 
 int main(int argc, char **argv) {
-    cli_arguments arguments;
-    int exit_code;
-    if (!cli_parse(&program, argc, argv, &arguments, &exit_code)) {
-        return exit_code;
-    }
-    return cli_finish(&program, run(arguments.values[0]));
+    return cli_run(&program, argc, argv, run);
 }

@@ -42,10 +42,10 @@ btfi_type btfi_parse_array(btfi_parser *p, btfi_type element) {
         return element;
     }
     if (element.count) {
-        btfi_parse_fail(p, "an array of arrays");
+        btfi_parse_fail(p, "arrays of arrays are not translated");
     }
     if (!btfi_constant(p->tree, btfi_parse_expression(p), &count) || count < 1 || count > 4096) {
-        btfi_parse_fail(p, "the length of an array is no constant from 1 to 4096");
+        btfi_parse_fail(p, "the length of an array must be a constant integer from 1 to 4096");
     }
     btfi_expect(p, "]");
     element.count = (uint32_t)count;
@@ -70,7 +70,7 @@ btfi_type btfi_parse_type(btfi_parser *p) {
 /* A node whose type was not found fails. */
 static uint32_t typed(btfi_parser *p, uint32_t node, btfi_type type) {
     if (type.size == 0) {
-        btfi_parse_fail(p, "an operation that the decoder's part of GLSL does not have");
+        btfi_parse_fail(p, "the translator does not know this operation on these types");
         return 0;
     }
     btfi_node *nodes = p->tree->nodes;
@@ -85,7 +85,7 @@ static uint32_t typed(btfi_parser *p, uint32_t node, btfi_type type) {
     }
     nodes[node].height = height + 1;
     if (height >= HIGHEST) {
-        btfi_parse_fail(p, "an expression of too many parts");
+        btfi_parse_fail(p, "the expression has too many parts");
     }
     return node;
 }
@@ -108,7 +108,7 @@ static void mark_written(btfi_parser *p, uint32_t node) {
     const btfi_node *n = &p->tree->nodes[node];
     if ((n->kind == BTFI_NODE_SWIZZLE || n->kind == BTFI_NODE_INDEX) &&
         p->tree->nodes[n->a].kind == BTFI_NODE_SWIZZLE) {
-        btfi_parse_fail(p, "components of components are assigned");
+        btfi_parse_fail(p, "components of components cannot be assigned");
     }
     btfi_symbol *s = root(p->tree, node);
     if (!s || s->is_const || s->is_uniform) {
@@ -127,7 +127,7 @@ static uint32_t parse_arguments(btfi_parser *p, btfi_type types[MOST_ARGUMENTS],
     while (p->result == BTF_OK && !btfi_next_is(p, ")")) {
         const uint32_t node = btfi_parse_expression(p);
         if (*count == MOST_ARGUMENTS) {
-            btfi_parse_fail(p, "too many arguments");
+            btfi_parse_fail(p, "the call has too many arguments");
             break;
         }
         types[(*count)++] = p->tree->nodes[node].type;
@@ -174,7 +174,7 @@ static uint32_t parse_call(btfi_parser *p, btfi_token name) {
         return typed(p, node, btfi_builtin_type(&name, types, count));
     }
     if (f < 0) {
-        btfi_parse_fail(p, "a call of no function that stands above, before what stands");
+        btfi_parse_fail(p, "no function that is defined above has this name and these parameters");
         return 0;
     }
     const uint32_t node = btfi_new_node(p, BTFI_NODE_CALL, name);
@@ -240,7 +240,7 @@ static uint32_t parse_primary(btfi_parser *p) {
     if (t.kind == BTFI_TOKEN_INT || t.kind == BTFI_TOKEN_UINT || t.kind == BTFI_TOKEN_FLOAT ||
         btfi_token_is(&t, "true") || btfi_token_is(&t, "false")) {
         if (!is_whole(&t) && t.kind != BTFI_TOKEN_NAME) {
-            btfi_parse_fail(p, "a number that is not whole, or octal,");
+            btfi_parse_fail(p, "the number is malformed, or octal");
         }
         btfi_take(p);
         const btfi_base base = t.kind == BTFI_TOKEN_INT     ? BTFI_INT
@@ -269,7 +269,7 @@ static uint32_t parse_primary(btfi_parser *p) {
             return typed(p, node, p->tree->symbols[symbol].type);
         }
     }
-    btfi_parse_fail(p, "a name that nothing declares, before what stands");
+    btfi_parse_fail(p, "the name is not declared");
     return 0;
 }
 

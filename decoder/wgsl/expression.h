@@ -15,7 +15,7 @@ uint32_t btfi_parse_expression(btfi_parser *p);
 /* Takes the name of a type when one comes next, structs among them, and [COUNT] behind it; size 0 where none comes. */
 btfi_type btfi_parse_type(btfi_parser *p);
 
-/* Takes [COUNT] when that comes next, and gives the array of elements of a type. */
+/* Takes [COUNT] when that comes next, and returns the type of an array of such elements; else `element`. */
 btfi_type btfi_parse_array(btfi_parser *p, btfi_type element);
 
 /* Whether an expression is a constant integer, and its value. */

@@ -23,7 +23,7 @@ static void parse_struct(btfi_parser *p, const btfi_token *first) {
     s.name.comment = first->comment;
     s.name.comment_length = first->comment_length;
     if (s.name.kind != BTFI_TOKEN_NAME) {
-        btfi_parse_fail(p, "a struct without a name, before what stands");
+        btfi_parse_fail(p, "the struct has no name");
     }
     btfi_check_name(p, &s.name);
     btfi_expect(p, "{");
@@ -35,7 +35,7 @@ static void parse_struct(btfi_parser *p, const btfi_token *first) {
         } while (btfi_accept(p, ","));
         btfi_expect(p, ";");
         if (type.size == 0) {
-            btfi_parse_fail(p, "a member of no type, before what stands");
+            btfi_parse_fail(p, "the member of the struct has no known type");
         }
     }
     btfi_expect(p, ";");
@@ -48,7 +48,7 @@ static void parse_struct(btfi_parser *p, const btfi_token *first) {
 static uint32_t parse_number(btfi_parser *p) {
     int64_t value = 0;
     if (!btfi_constant(p->tree, btfi_parse_expression(p), &value) || value < 0 || value > UINT32_MAX) {
-        btfi_parse_fail(p, "a group or binding that is no number, before what stands");
+        btfi_parse_fail(p, "a set or binding must be a whole number");
     }
     return (uint32_t)value;
 }
@@ -58,13 +58,13 @@ static void parse_uniform(btfi_parser *p, uint32_t group, int64_t binding) {
     skip_precision(p);
     const btfi_type type = btfi_parse_type(p);
     if (type.size == 0) {
-        btfi_parse_fail(p, "a uniform of no known type");
+        btfi_parse_fail(p, "the uniform has no known type");
     }
     const btfi_token name = btfi_take(p);
     const uint32_t symbol = btfi_new_symbol(p, name, type);
     btfi_expect(p, ";");
     if (binding < 0) {
-        btfi_parse_fail(p, "a uniform without a binding, before what stands");
+        btfi_parse_fail(p, "the uniform has no binding");
     }
     if (p->result == BTF_OK) {
         btfi_symbol *s = &p->tree->symbols[symbol];
@@ -85,7 +85,7 @@ static void parse_layout(btfi_parser *p, uint32_t *group, int64_t *binding) {
         } else if (btfi_token_is(&name, "binding")) {
             *binding = parse_number(p);
         } else {
-            btfi_parse_fail(p, "a layout other than set and binding, before what stands");
+            btfi_parse_fail(p, "layout takes set and binding alone");
         }
     } while (btfi_accept(p, ","));
     btfi_expect(p, ")");
@@ -100,7 +100,7 @@ static void parse_parameter(btfi_parser *p) {
     skip_precision(p);
     btfi_type type = btfi_parse_type(p);
     if (type.size == 0 || type.base == BTFI_VOID) {
-        btfi_parse_fail(p, "a parameter of no type");
+        btfi_parse_fail(p, "the parameter has no known type");
     }
     const btfi_token name = btfi_take(p);
     type = btfi_next_is(p, "[") ? btfi_parse_array(p, type) : type;
@@ -121,7 +121,7 @@ static void parse_function(btfi_parser *p, const btfi_token *first) {
     f.name.comment_length = first->comment_length;
     f.first = tree->n_symbols;
     if (f.name.kind != BTFI_TOKEN_NAME) {
-        btfi_parse_fail(p, "a function without a name, before what stands");
+        btfi_parse_fail(p, "the function has no name");
     }
     btfi_check_name(p, &f.name);
     btfi_expect(p, "(");
@@ -169,7 +169,7 @@ static void parse_global(btfi_parser *p) {
         return;
     }
     if (btfi_named_type(btfi_peek(p)).size == 0 && btfi_find_struct(p->tree, btfi_peek(p)) < 0) {
-        btfi_parse_fail(p, "neither a struct, a uniform nor a function");
+        btfi_parse_fail(p, "a struct, a uniform or a function is expected");
         return;
     }
     parse_function(p, first);

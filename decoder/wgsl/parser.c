@@ -8,17 +8,17 @@
 
 enum { DEEPEST = 200 };
 
-static void fail_at(btfi_parser *p, const char *what, const btfi_token *t) {
+static void fail_at(btfi_parser *p, const char *what, const char *where, const btfi_token *t) {
     if (p->result == BTF_OK) {
         p->result = BTF_ERROR_UNSUPPORTED;
-        snprintf(p->message, p->message_size, "%s at \"%.*s\"", what, t->length < 60 ? (int)t->length : 60,
-                 t->text);
+        snprintf(p->message, p->message_size, "%s %s \"%.*s\"", what, where,
+                 t->length < 60 ? (int)t->length : 60, t->text);
         p->at = p->count - 1;
     }
 }
 
 void btfi_parse_fail(btfi_parser *p, const char *what) {
-    fail_at(p, what, btfi_peek(p));
+    fail_at(p, what, "near", btfi_peek(p));
 }
 
 void btfi_check_name(btfi_parser *p, const btfi_token *name) {
@@ -27,7 +27,7 @@ void btfi_check_name(btfi_parser *p, const btfi_token *name) {
         is_reserved |= name->text[i] == '_' && name->text[i + 1] == '_';
     }
     if (is_reserved && name->kind == BTFI_TOKEN_NAME) {
-        fail_at(p, "a reserved name (__ in it, or _ alone)", name);
+        fail_at(p, "the name is reserved (it holds __, or is _ alone)", "at", name);
     }
 }
 
@@ -63,7 +63,7 @@ void btfi_expect(btfi_parser *p, const char *text) {
 
 int btfi_deeper(btfi_parser *p) {
     if (++p->depth > DEEPEST) {
-        btfi_parse_fail(p, "brackets or statements too deep in one another");
+        btfi_parse_fail(p, "brackets or statements are nested too deeply");
         return 0;
     }
     return 1;
@@ -75,7 +75,7 @@ uint32_t btfi_new_node(btfi_parser *p, btfi_node_kind kind, btfi_token token) {
         return 0;
     }
     if (t->n_nodes == t->most) {
-        btfi_parse_fail(p, "too many nodes");
+        btfi_parse_fail(p, "the text has too many parts");
         return 0;
     }
     t->nodes[t->n_nodes] = (btfi_node){.kind = kind, .token = token};
@@ -85,11 +85,11 @@ uint32_t btfi_new_node(btfi_parser *p, btfi_node_kind kind, btfi_token token) {
 uint32_t btfi_new_symbol(btfi_parser *p, btfi_token name, btfi_type type) {
     btfi_tree *t = p->tree;
     if (p->result == BTF_OK && name.kind != BTFI_TOKEN_NAME) {
-        btfi_parse_fail(p, "a name is expected before what stands");
+        btfi_parse_fail(p, "a name is expected");
     }
     btfi_check_name(p, &name);
     if (p->result != BTF_OK || t->n_symbols == t->most) {
-        btfi_parse_fail(p, "too many names");
+        btfi_parse_fail(p, "the text declares too many names");
         return 0;
     }
     t->symbols[t->n_symbols] = (btfi_symbol){.name = name, .type = type};

@@ -22,11 +22,11 @@ typedef struct btfi_parser {
     size_t message_size;
 } btfi_parser;
 
-/* Ends parsing with a message that names the next token. */
+/* Ends parsing with a message, to which the next token is added as the place. */
 void btfi_parse_fail(btfi_parser *p, const char *what);
 
-/* Fails on a name that GLSL or WGSL reserves: `_`, and names with __, which those that the writer makes have. Every name
- * that the text declares is checked. */
+/* Fails on a name that GLSL or WGSL reserves: `_`, and names with __, which the writer gives to names that it
+ * makes. Every name that the text declares is checked. */
 void btfi_check_name(btfi_parser *p, const btfi_token *name);
 
 /* The next token, and whether it is this text. */
@@ -36,13 +36,14 @@ int btfi_next_is(const btfi_parser *p, const char *text);
 /* Takes the next token. */
 btfi_token btfi_take(btfi_parser *p);
 
-/* Takes it when it is this text. */
+/* Takes the next token when it is this text, and says whether it was. */
 int btfi_accept(btfi_parser *p, const char *text);
 
-/* Takes it, and fails when it is another. */
+/* Takes the next token, and fails when it is not this text. */
 void btfi_expect(btfi_parser *p, const char *text);
 
-/* One level deeper; fails, and returns 0, where that is too deep. The caller goes up by --depth in both cases. */
+/* Goes one level deeper; fails, and returns 0, where that is too deep. In both cases the caller goes up by --depth.
+ * */
 int btfi_deeper(btfi_parser *p);
 
 /* A new node; 0 after a failure. */

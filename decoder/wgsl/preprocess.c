@@ -42,8 +42,11 @@ typedef struct state {
 static void fail(state *s, btf_result result, const char *what, const btfi_token *at) {
     if (s->result == BTF_OK) {
         s->result = result;
-        snprintf(s->message, s->message_size, "%s at \"%.*s\"", what, at ? (int)at->length : 0,
-                 at ? at->text : "");
+        if (at) {
+            snprintf(s->message, s->message_size, "%s at \"%.*s\"", what, (int)at->length, at->text);
+        } else {
+            snprintf(s->message, s->message_size, "%s", what);
+        }
     }
 }
 
@@ -106,7 +109,8 @@ static size_t expand_call(state *s, size_t m, const btfi_token *list, size_t cou
     size_t begin[MOST_ARGUMENTS], length[MOST_ARGUMENTS], arguments = 0;
     const size_t taken = find_arguments(list, count, begin, length, &arguments);
     if (taken == 0 || arguments != s->macros[m].n_parameters) {
-        fail(s, BTF_ERROR_UNSUPPORTED, "another number of arguments than the macro has",
+        fail(s, BTF_ERROR_UNSUPPORTED,
+             "the macro is called with another number of arguments than it has parameters",
              &s->macros[m].name);
         return count;
     }
@@ -134,11 +138,11 @@ static size_t expand_call(state *s, size_t m, const btfi_token *list, size_t cou
 /* Appends tokens, their macros expanded. A function-like macro's name without a bracket is no call. */
 static void expand(state *s, const btfi_token *list, size_t count, btfi_tokens *out) {
     if (++s->depth > DEEPEST) {
-        fail(s, BTF_ERROR_UNSUPPORTED, "macros too deep in one another", count ? list : NULL);
+        fail(s, BTF_ERROR_UNSUPPORTED, "macros are nested too deeply", count ? list : NULL);
     }
     for (size_t i = 0; i < count && s->result == BTF_OK; ++i) {
         if (++s->steps > MOST_STEPS) {
-            fail(s, BTF_ERROR_UNSUPPORTED, "macros that expand to too many words", &list[i]);
+            fail(s, BTF_ERROR_UNSUPPORTED, "macros expand to too many words", &list[i]);
         }
         const macro *found = list[i].kind == BTFI_TOKEN_NAME ? find(s, &list[i]) : NULL;
         const int call = found && found->is_function && i + 1 < count && btfi_token_is(&list[i + 1], "(");
@@ -178,7 +182,7 @@ static int takes(condition *c, const char *mark) {
 
 static int64_t evaluate_one(condition *c) {
     if (++c->depth > DEEPEST) {
-        fail(c->s, BTF_ERROR_UNSUPPORTED, "a condition too deep in itself", NULL);
+        fail(c->s, BTF_ERROR_UNSUPPORTED, "the condition is nested too deeply", NULL);
         c->at = c->count;
     }
     if (takes(c, "!")) {
@@ -194,7 +198,7 @@ static int64_t evaluate_one(condition *c) {
     if (takes(c, "(")) {
         int64_t value = evaluate(c, 0);
         if (!takes(c, ")")) {
-            fail(c->s, BTF_ERROR_UNSUPPORTED, "a condition without a closing bracket", NULL);
+            fail(c->s, BTF_ERROR_UNSUPPORTED, "the condition has no closing bracket", NULL);
         }
         --c->depth;
         return value;
@@ -204,7 +208,7 @@ static int64_t evaluate_one(condition *c) {
         (c->list[c->at].kind == BTFI_TOKEN_INT || c->list[c->at].kind == BTFI_TOKEN_UINT)) {
         return strtoll(c->list[c->at++].text, NULL, 0);
     }
-    fail(c->s, BTF_ERROR_UNSUPPORTED, "a condition is no integer expression",
+    fail(c->s, BTF_ERROR_UNSUPPORTED, "the condition is not an integer expression",
          c->at < c->count ? &c->list[c->at] : NULL);
     return 0;
 }
@@ -260,7 +264,7 @@ static int condition_holds(state *s, const btfi_tokens *line) {
         }
         const size_t bracket = i + 1 < line->count && btfi_token_is(&line->list[i + 1], "(");
         if (i + 1 + 2 * bracket >= line->count) {
-            fail(s, BTF_ERROR_UNSUPPORTED, "defined names nothing", &line->list[i]);
+            fail(s, BTF_ERROR_UNSUPPORTED, "no name follows the word defined", &line->list[i]);
             break;
         }
         const char *value = values[find(s, &line->list[i + 1 + bracket]) != NULL];
@@ -271,7 +275,7 @@ static int condition_holds(state *s, const btfi_tokens *line) {
     condition c = {.s = s, .list = expanded.list, .count = expanded.count};
     const int holds = evaluate(&c, 0) != 0;
     if (c.at < c.count) {
-        fail(s, BTF_ERROR_UNSUPPORTED, "a condition goes on", &c.list[c.at]);
+        fail(s, BTF_ERROR_UNSUPPORTED, "the condition is followed by other text", &c.list[c.at]);
     }
     if (known.failed || expanded.failed) {
         fail(s, BTF_ERROR_MEMORY, "out of memory", NULL);
@@ -285,7 +289,7 @@ static int condition_holds(state *s, const btfi_tokens *line) {
 static void define(state *s, const btfi_tokens *line) {
     macro *m = line->count && line->list[0].kind == BTFI_TOKEN_NAME ? add(s, line->list[0]) : NULL;
     if (!m) {
-        fail(s, BTF_ERROR_UNSUPPORTED, "#define without a name", line->count ? line->list : NULL);
+        fail(s, BTF_ERROR_UNSUPPORTED, "no name follows #define", line->count ? line->list : NULL);
         return;
     }
     size_t i = 1;
@@ -319,7 +323,7 @@ static int alive(const state *s) {
 
 static void open_condition(state *s, int holds, const btfi_token *at) {
     if (s->n_conditions == MOST_NESTED) {
-        fail(s, BTF_ERROR_UNSUPPORTED, "too many conditions in one another", at);
+        fail(s, BTF_ERROR_UNSUPPORTED, "conditions are nested too deeply", at);
         return;
     }
     const int outer = alive(s);
@@ -351,7 +355,7 @@ static void directive(state *s) {
     } else if (alive(s) && btfi_token_is(&word, "undef") && named) {
         s->macros[named - s->macros].gone = 1;
     } else if (alive(s) || (btfi_token_is(&word, "elif") && s->conditions[s->n_conditions - 1].outer)) {
-        fail(s, BTF_ERROR_UNSUPPORTED, "a directive of the preprocessor that has no meaning in WGSL",
+        fail(s, BTF_ERROR_UNSUPPORTED, "the translator does not know this directive of the preprocessor",
              &word);
     }
     if (line.failed) {
@@ -427,7 +431,7 @@ btf_result btfi_preprocess(const char *glsl, btfi_tokens *out_tokens, char *mess
     if (s.tokens.failed || out_tokens->failed) {
         fail(&s, BTF_ERROR_MEMORY, "out of memory", NULL);
     } else if (s.n_conditions > 0) {
-        fail(&s, BTF_ERROR_UNSUPPORTED, "a condition without #endif", NULL);
+        fail(&s, BTF_ERROR_UNSUPPORTED, "a condition has no #endif", NULL);
     }
     btfi_tokens_free(&s.tokens);
     free(s.macros);

@@ -34,7 +34,7 @@ static uint32_t parse_declarator(btfi_parser *p, btfi_type type, int is_const) {
     if (btfi_accept(p, "=")) {
         value = btfi_parse_expression(p);
         if (!btfi_types_equal(p->tree->nodes[value].type, type)) {
-            btfi_parse_fail(p, "a first value of another type, before what stands");
+            btfi_parse_fail(p, "the first value is of another type than its variable");
         }
     }
     if (p->result != BTF_OK) {
@@ -60,7 +60,7 @@ static int parse_declaration(btfi_parser *p, list *l) {
     }
     const btfi_type type = btfi_parse_type(p);
     if (type.base == BTFI_VOID || type.base == BTFI_TEXTURE) {
-        btfi_parse_fail(p, "a variable of a type that holds nothing");
+        btfi_parse_fail(p, "a variable cannot be of type void or a sampler");
     }
     do {
         add(p, l, parse_declarator(p, type, is_const));
@@ -100,7 +100,7 @@ static uint32_t parse_condition(btfi_parser *p) {
     const uint32_t node = btfi_parse_expression(p);
     btfi_expect(p, ")");
     if (p->tree->nodes[node].type.base != BTFI_BOOL) {
-        btfi_parse_fail(p, "a condition that is no bool, before what stands");
+        btfi_parse_fail(p, "the condition is not of type bool");
     }
     return node;
 }
@@ -124,7 +124,7 @@ static uint32_t parse_for(btfi_parser *p, btfi_token token) {
         add(p, &first, parse_expression_statement(p, ";"));
     }
     if (first.first != first.last) {
-        btfi_parse_fail(p, "a loop over several new variables");
+        btfi_parse_fail(p, "a loop can declare one variable alone");
     }
     const uint32_t condition = btfi_parse_expression(p);
     btfi_expect(p, ";");
@@ -196,7 +196,7 @@ uint32_t btfi_parse_block(btfi_parser *p) {
     btfi_expect(p, "{");
     while (p->result == BTF_OK && !btfi_accept(p, "}")) {
         if (btfi_peek(p)->kind == BTFI_TOKEN_END) {
-            btfi_parse_fail(p, "a block without its closing brace");
+            btfi_parse_fail(p, "the block has no closing brace");
         }
         parse_statement(p, &l);
     }

@@ -25,7 +25,7 @@ typedef struct btfi_token {
     btfi_token_kind kind;
     uint32_t length, comment_length;
     const char *text;
-    const char *comment; /* that stands in front of it; NULL: none */
+    const char *comment; /* the one in front of the token; NULL: none */
 } btfi_token;
 
 /* A list that grows. All zeros is an empty one; `failed` stays set once memory runs out. */
@@ -39,10 +39,10 @@ void btfi_tokens_add(btfi_tokens *t, btfi_token token);
 
 void btfi_tokens_free(btfi_tokens *t);
 
-/* Where a text is read. At its beginning a line begins. */
+/* The place in a text that is read next. */
 typedef struct btfi_reader {
     const char *at;
-    int begins_line;
+    int begins_line; /* 1 at the beginning of the text and of each line */
 } btfi_reader;
 
 /* The next token. With `within_line`, END at the end of the line, which stays to be read. A character that no token

@@ -36,8 +36,8 @@ typedef struct btfi_symbol {
     btfi_type type;
     uint8_t direction; /* btfi_direction, of a parameter */
     uint8_t is_parameter, is_uniform, is_const;
-    uint8_t
-        is_written; /* assigned, counted up, or handed to an out parameter; without a first value, too */
+    /* assigned, counted up, handed to an out parameter, or declared without a first value */
+    uint8_t is_written;
     uint8_t is_indexed; /* an array in it has an index that is no constant */
     uint8_t has_number; /* a const whose first value is a constant integer: */
     int64_t number;

@@ -25,10 +25,10 @@ btfi_type btfi_binary_type(const btfi_token *mark, btfi_type a, btfi_type b);
 /* The type that the language's function of this name gives for arguments of these types; size 0: it is none of those known. */
 btfi_type btfi_builtin_type(const btfi_token *name, const btfi_type *arguments, size_t count);
 
-/* Whether a name is that of such a function. */
+/* Whether a name is that of a function that btfi_builtin_type() knows. */
 int btfi_is_builtin(const btfi_token *name);
 
-/* Whether it gives the bits of its argument as a value of another type. */
+/* Whether the function of this name gives the bits of its argument as a value of another type. */
 int btfi_keeps_bits(const btfi_token *name);
 
 /* a `mark` b of + - * / %, wrapped at 64 bits; returns 0 where the mark is another one or b divides by 0. */

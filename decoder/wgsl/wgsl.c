@@ -107,7 +107,7 @@ static void write_all(btfi_writer *w) {
     if (!btfi_find_clash(t, &clashing)) {
         w->out.failed = 1;
     } else if (clashing) {
-        btfi_write_fail(w, "an overloaded function, whose name in WGSL the text has or cannot have,",
+        btfi_write_fail(w, "the name that the overloaded function would have in WGSL is taken or reserved,",
                         &clashing->name);
         return;
     }

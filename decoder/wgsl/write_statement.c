@@ -50,10 +50,12 @@ static int has_effects(const btfi_writer *w, uint32_t node) {
     return 0;
 }
 
-/* What is assigned is written several times, and nothing in front of it. */
+/* Refuses side effects in the variable of an assignment: WGSL may take it several times, and nothing can be written
+ * in front of it. */
 static void refuse_effects(btfi_writer *w, uint32_t assigned) {
     if (has_effects(w, assigned)) {
-        btfi_write_fail(w, "a side effect in what is assigned", &node_of(w, assigned)->token);
+        btfi_write_fail(w, "a variable that is assigned is named by an expression with a side effect",
+                        &node_of(w, assigned)->token);
     }
 }
 
@@ -106,14 +108,14 @@ static void write_before(btfi_writer *w, uint32_t node) {
         break;
     case BTFI_NODE_TERNARY:
         if (has_effects(w, n->b) || has_effects(w, n->c)) {
-            btfi_write_fail(w, "a side effect on one side of ?:", &n->token);
+            btfi_write_fail(w, "the second or third operand of ?: has a side effect", &n->token);
         }
         write_before(w, n->a);
         break;
     case BTFI_NODE_BINARY:
         write_before(w, n->a);
         if (has_effects(w, n->b) && (btfi_token_is(&n->token, "&&") || btfi_token_is(&n->token, "||"))) {
-            btfi_write_fail(w, "a side effect that depends on what stands before it", &n->token);
+            btfi_write_fail(w, "the second operand of && or || has a side effect", &n->token);
         }
         write_before(w, n->b);
         break;
@@ -204,8 +206,9 @@ static void write_assignment(btfi_writer *w, const btfi_node *n) {
     const btfi_node *target = node_of(w, n->a), *value = node_of(w, n->b);
     const int of_bits = n->token.length > 1 && !strchr("+-*/%", n->token.text[0]);
     if (of_bits && (n->token.length > 2 || value->type.size != target->type.size)) {
-        btfi_write_fail(w, "an assignment that shifts, or combines the bits of a vector and a scalar",
-                        &n->token);
+        btfi_write_fail(
+            w, "WGSL has no such assignment, which shifts, or combines the bits of a vector and a scalar,",
+            &n->token);
     }
     btfi_write_expression(w, n->a);
     btfi_print(&w->out, " %.*s ", (int)n->token.length, n->token.text);
@@ -223,7 +226,8 @@ static void write_assignments(btfi_writer *w, const btfi_node *n) {
     if (value->kind == BTFI_NODE_ASSIGN) { /* a = b = c: b = c first */
         write_assignments(w, value);
         if (n->token.length > 1 || moves_components(w, n) || moves_components(w, value)) {
-            btfi_write_fail(w, "an assignment of several variables by another operator than =", &n->token);
+            btfi_write_fail(w, "a chain of assignments can have no operator but =, and no swizzles,",
+                            &n->token);
         }
         btfi_write_indent(w);
         btfi_write_expression(w, n->a);
@@ -255,14 +259,14 @@ static void write_effect(btfi_writer *w, uint32_t node) {
         btfi_write_expression(w, node);
         end_line(w, ";");
     } else if (n->kind != BTFI_NODE_STEP) {
-        btfi_write_fail(w, "a statement without effect", &n->token);
+        btfi_write_fail(w, "the statement has no effect", &n->token);
     }
     write_after(w, node);
 }
 
 static void write_condition(btfi_writer *w, uint32_t node) {
     if (has_effects(w, node)) {
-        btfi_write_fail(w, "a condition with a side effect", &node_of(w, node)->token);
+        btfi_write_fail(w, "the condition has a side effect", &node_of(w, node)->token);
     }
     btfi_write_expression(w, node);
 }
@@ -308,7 +312,8 @@ static void write_continuing(btfi_writer *w, uint32_t first_step, uint32_t condi
         btfi_write_expression(w, condition);
         end_line(w, ");");
         if (write_after(w, condition)) {
-            btfi_write_fail(w, "a condition with an out argument", &node_of(w, condition)->token);
+            btfi_write_fail(w, "the condition of the loop hands a part of a variable to an out parameter",
+                            &node_of(w, condition)->token);
         }
     }
     --w->indent;
@@ -347,7 +352,7 @@ static void write_for(btfi_writer *w, const btfi_node *n) {
         write_declaration(w, first);
         end_line(w, ";");
     } else {
-        btfi_write_fail(w, "a loop that begins with another statement than a declaration", &n->token);
+        btfi_write_fail(w, "the loop does not begin with a declaration without side effects", &n->token);
     }
     line(w, "loop {");
     ++w->indent;
@@ -374,8 +379,7 @@ static void write_return(btfi_writer *w, const btfi_node *n) {
     }
     end_line(w, ";");
     if (write_after(w, n->a)) {
-        btfi_write_fail(w, "a part of a variable cannot be handed to an out parameter in a return",
-                        &n->token);
+        btfi_write_fail(w, "return cannot hand a part of a variable to an out parameter", &n->token);
     }
 }
 
@@ -430,7 +434,7 @@ static void write_statement(btfi_writer *w, const btfi_node *n) {
         line(w, "}");
         break;
     default:
-        btfi_write_fail(w, "no statement", &n->token);
+        btfi_write_fail(w, "a statement is expected", &n->token);
     }
 }
 

@@ -204,7 +204,9 @@ static void write_fetch(btfi_writer *w, const btfi_node *n) {
     } else {
         const uint32_t column = nodes[at].a, row = nodes[column].next;
         if (nodes[at].kind != BTFI_NODE_CONSTRUCT || !row || !nodes[row].next) {
-            btfi_write_fail(w, "a fetch from an array that does not name its layer", &n->token);
+            btfi_write_fail(
+                w, "texelFetch from an array does not name the layer as the last component of an ivec3(..)",
+                &n->token);
             return;
         }
         put(w, "vec2i(");
@@ -338,6 +340,6 @@ void btfi_write_expression(btfi_writer *w, uint32_t node) {
         put(w, ")");
         break;
     default:
-        btfi_write_fail(w, "an assignment within an expression", &n->token);
+        btfi_write_fail(w, "an assignment cannot stand within an expression", &n->token);
     }
 }

@@ -20,7 +20,7 @@ typedef struct btfi_writer {
     size_t message_size;
 } btfi_writer;
 
-/* Ends writing with a message: what is left of the text is of no use. */
+/* Ends writing with a message, to which token `at` is added as the place: the text written so far is of no use. */
 void btfi_write_fail(btfi_writer *w, const char *what, const btfi_token *at);
 
 /* Begins a line. */
@@ -30,7 +30,8 @@ void btfi_write_indent(btfi_writer *w);
  * have been taken care of: a STEP stands for its variable, an argument with `kept` for the variable of that number. */
 void btfi_write_expression(btfi_writer *w, uint32_t node);
 
-/* The same where an argument stands: a comparison in brackets, for a < and the > of the next could be those of a type. */
+/* Writes an argument, a comparison in brackets: WGSL could take its < and the > of the next argument for those of a
+ * type. */
 void btfi_write_argument(btfi_writer *w, uint32_t node);
 
 /* Whether an out argument is a variable, whose address WGSL takes as it is. */

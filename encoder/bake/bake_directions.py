@@ -115,7 +115,7 @@ def parse(text):
         elif ':' in text:
             found = _rings(text)
         else:
-            raise ValueError('no such list or file')
+            raise ValueError('there is neither a list nor a file of this name')
         if not 1 <= len(found) <= MOST:
             raise ValueError(f'{len(found)} directions, not 1..{MOST}')
         if len(set(found)) != len(found):

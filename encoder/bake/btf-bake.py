@@ -143,9 +143,9 @@ def command_line():
     out.add_argument('--preview', metavar='FILE.png', help='instead: 3 views and 4 lights side by side, in seconds')
     out.add_argument('--encode', metavar='OUT.btf.exr', help='then encode; options of btf-encode behind --')
     out.add_argument('-q', '--quiet', action='store_true', help='no progress, no summary')
-    out.add_argument('-h', '--help', action='help', help='print this and end')
+    out.add_argument('-h', '--help', action='help', help='print this help and exit')
     version = VERSION if VERSION[0].isdigit() else 'of a source folder'
-    out.add_argument('--version', action='version', version=f'btf-bake (OpenBTF) {version}', help='print the version and end')
+    out.add_argument('--version', action='version', version=f'btf-bake (OpenBTF) {version}', help='print the version and exit')
     arguments, more = sys.argv[1:], []
     if '--tile' in arguments[:-1]:  # its numbers may begin with a minus, which argparse would take for an option
         at = arguments.index('--tile')

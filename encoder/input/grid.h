@@ -9,7 +9,7 @@
 #include "read_options.h"
 #include "source.h"
 
-/* Where one image of a source belongs. */
+/* The place of one image of a source in the grid. */
 typedef struct enc_grid_item {
     size_t source; /* index into the source's paths */
     int view, light;
@@ -24,7 +24,7 @@ typedef struct enc_grid {
     enc_grid_item *items;
 } enc_grid;
 
-/* Builds the grid or says on the log, with names and counts, why there is none.
+/* Builds the grid, or tells the log, with names and counts, why the images do not form one.
  * Errors: BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (more than 256 directions), BTF_ERROR_MEMORY. */
 btf_result enc_grid_create(const enc_context *context, const enc_source *source,
                            const enc_read_options *options, enc_grid **out_grid);
@@ -36,13 +36,13 @@ typedef struct enc_grid_image {
     enc_direction view, light;
 } enc_grid_image;
 
-/* The images of a source, whether they form a grid or not, in its order; names are understood and
- * complained of as enc_grid_create does. *out_images is malloc'ed. Errors: BTF_ERROR_BAD_FILE,
+/* Lists the images of a source in its order, whether they form a grid or not; reads their names, and complains of
+ * them, as enc_grid_create does. *out_images is malloc'ed. Errors: BTF_ERROR_BAD_FILE,
  * BTF_ERROR_MEMORY. */
 btf_result enc_grid_list(const enc_context *context, const enc_source *source,
                          const enc_read_options *options, enc_grid_image **out_images, size_t *out_count);
 
-/* Degrees that the top view may be off the normal. */
+/* The most degrees between the top view and the surface normal. */
 #define ENC_GRID_POLE_DISTANCE 5.0
 
 #endif

@@ -33,8 +33,8 @@ typedef struct enc_image {
 btf_result enc_image_decode(const void *data, size_t size, enc_image *out_image, char *message,
                             size_t message_size);
 
-/* The same with `layer`, which picks among the layers and parts of an OpenEXR file (exr_choose.h), NULL as
- * above. Files of other formats have no layers: BTF_ERROR_UNSUPPORTED. */
+/* Does the same, but reads of an OpenEXR file the layer or part that `layer` names (exr_choose.h); NULL: as above.
+ * Files of other formats have no layers: BTF_ERROR_UNSUPPORTED. */
 btf_result enc_image_decode_layer(const void *data, size_t size, const char *layer, enc_image *out_image,
                                   char *message, size_t message_size);
 

@@ -12,10 +12,10 @@
 
 enum { ENC_MAX_SIDE = 16384 }; /* texels */
 
-/* How the images of a set are converted: settled by the first, and the same for all. */
+/* How the images of a set are converted: the first image settles it for all. */
 typedef struct enc_radiance {
     const enc_read_options *options;
-    enc_decoder *decoder;        /* of the first image, which every other one is expected to be like */
+    enc_decoder *decoder;        /* of the first image, as which every other one should be coded */
     int file_width, file_height; /* of every image, as in the files */
     enc_rectangle area;          /* the part that is used */
     int width, height;           /* of the decoded image */
@@ -27,18 +27,20 @@ typedef struct enc_radiance {
 btf_result enc_radiance_settle(const enc_context *context, const enc_read_options *options,
                                const char *location, const char *name, const void *file, size_t size,
                                enc_radiance *out);
-/* The same, of an image of a source that is read for it: *out_file is malloc'ed, the caller frees, also where its
- * contents are refused; NULL where it cannot be read. Errors: those of reading, too. */
+/* Reads image `index` of a source and learns from it as enc_radiance_settle does. *out_file, the file's bytes, is
+ * malloc'ed, and the caller frees it even where its contents are refused; NULL where the file cannot be read.
+ * Errors: those of reading as well. */
 btf_result enc_radiance_settle_first(const enc_context *context, const enc_read_options *options,
                                      enc_source *source, size_t index, void **out_file, size_t *out_size,
                                      enc_radiance *out);
 void enc_radiance_clear(enc_radiance *radiance);
 
-/* One file to out[row][column][3] of width x height, linear Rec. 709: transfer, colour, crop, flip and size; times light_z,
- * the z of the light's direction, where options say that values lack that cosine. Values below 0, unless options refuse
- * them, are set to 0 and counted in *out_negative. *out_notes: what the image says of its pixels. Runs on any thread; does not log: message[message_size] says what failed. Errors: those of
- * enc_image_decode_layer, BTF_ERROR_BAD_FILE (another size than the first image's, a value that is no
- * number), BTF_ERROR_UNSUPPORTED (the coding), BTF_ERROR_MEMORY. */
+/* Converts one file to out[row][column][3] of width x height, linear Rec. 709: transfer, colour, crop, flip and
+ * size; times light_z, the z of the light's direction, where options say that values lack that cosine. Values below
+ * 0, unless options refuse them, are set to 0 and counted in *out_negative. *out_notes: what the image says of its
+ * pixels. Runs on any thread and does not log: message[message_size] says what failed. Errors: those of
+ * enc_image_decode_layer, BTF_ERROR_BAD_FILE (another size than the first image's, a value that is no number),
+ * BTF_ERROR_UNSUPPORTED (the coding), BTF_ERROR_MEMORY. */
 btf_result enc_radiance_convert(const enc_radiance *radiance, const void *file, size_t size, float light_z,
                                 float *out, size_t *out_negative, image_notes *out_notes, char *message,
                                 size_t message_size);

@@ -21,8 +21,8 @@ typedef enum enc_cosine {
     ENC_COSINE_MISSING, /* samples are multiplied by it */
 } enc_cosine;
 
-/* How images and names are to be understood. Zero means default. Applied in this order: transfer, colour,
- * crop, flip_v, size, clamping of negative values. */
+/* How to read images and their names. Zero means default. The steps follow in this order: transfer, colour, crop,
+ * flip_v, size, clamping of negative values. */
 typedef struct enc_read_options {
     enc_transfer transfer;
     double gamma; /* of ENC_TRANSFER_GAMMA, > 0 */

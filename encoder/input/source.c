@@ -1,4 +1,4 @@
-/* Where images come from: what directory and archive have in common.
+/* Sources of images: the part that directories and archives share.
  *
  * SPDX-License-Identifier: MIT
  */

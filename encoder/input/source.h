@@ -1,4 +1,4 @@
-/* Where images come from: a directory or an archive, seen as a list of named byte strings.
+/* A source of images: a directory or an archive, seen as a list of named byte strings.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -7,7 +7,7 @@
 
 #include "encoder/base/context.h"
 
-/* No image file may be larger, nor may there be more files in all, image or not. */
+/* The largest image file, and the most files, images or not, that a source may have. */
 #ifndef ENC_SOURCE_MAX_FILE /* fuzzers take less */
 #define ENC_SOURCE_MAX_FILE ((size_t)1 << 30)
 #endif
@@ -35,8 +35,8 @@ struct enc_source {
 
 void enc_source_close(enc_source **source);
 
-/* Tells of an image that failed, by the source's location, its path and `message`, or where that is empty the result's
- * text; returns `result`. */
+/* Tells the log that an image failed: the source's location, the image's path and `message`, or where that is empty
+ * the text of `result`. Returns `result`. */
 btf_result enc_source_fail(const enc_context *context, const enc_source *source, size_t index,
                            btf_result result, const char *message);
 

@@ -8,7 +8,7 @@
 #include "decoder/toolkit/progress.h"
 #include "decoder/toolkit/text.h"
 #include "encoder/base/ranks.h"
-#include "encoder/input/bonn_file.h"
+#include "encoder/input/bonn/file.h"
 #include "job.h"
 
 #include <stdlib.h>

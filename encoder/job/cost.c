@@ -11,7 +11,7 @@
 #include "encoder/factor/match/fit.h"
 #include "encoder/factor/round.h"
 #include "encoder/factor/signal.h"
-#include "encoder/input/bonn_reader.h"
+#include "encoder/input/bonn/reader.h"
 #include "encoder/model/pack.h"
 #include "encoder/nodes/choose.h"
 #include "encoder/nodes/rows.h"

@@ -9,7 +9,7 @@
 
 #include "decoder/toolkit/exr_image.h"
 #include "decoder/toolkit/output.h"
-#include "encoder/input/bonn_file.h"
+#include "encoder/input/bonn/file.h"
 #include "encoder/input/grid.h"
 #include "encoder/input/radiance.h"
 #include "encoder/input/reader.h"
@@ -134,8 +134,8 @@ static btf_result take_options(const enc_context *context, const btf_input_optio
     if ((unsigned)o->transfer > BTF_TRANSFER_GAMMA || (unsigned)o->primaries > BTF_PRIMARIES_XYZ ||
         (unsigned)o->cosine > BTF_COSINE_MISSING) {
         return enc_fail(context, BTF_ERROR_USAGE,
-                        "transfer %d, primaries %d or cosine %d is no value of its enum", (int)o->transfer,
-                        (int)o->primaries, (int)o->cosine);
+                        "transfer %d, primaries %d or cosine %d is not a value of its enum",
+                        (int)o->transfer, (int)o->primaries, (int)o->cosine);
     }
     input->options = (enc_read_options){.transfer = (enc_transfer)o->transfer,
                                         .gamma = o->gamma,

@@ -12,14 +12,14 @@
 
 #include <stdio.h>
 
-/* Gives the images that are measured, at pairs first .. first + count - 1, out[pair][texel][3]. Called from
- * one thread, which it may multiply. */
+/* Gives the images that are compared with the truth, at pairs first .. first + count - 1, out[pair][texel][3].
+ * Called from one thread, which it may multiply. */
 typedef btf_result (*enc_pair_images_fn)(const enc_context *context, const void *user,
                                          const enc_pair *pairs, size_t count, float *out);
 typedef struct enc_pair_images {
     enc_pair_images_fn images;
     const void *user;
-    const enc_direction *views, *lights; /* where it has samples */
+    const enc_direction *views, *lights; /* its sampled directions */
     int n_views, n_lights;
 } enc_pair_images;
 

@@ -32,7 +32,7 @@ enum { ENC_CANVAS_LETTER_WIDTH = 12, ENC_CANVAS_LETTER_HEIGHT = 14 };
 void enc_canvas_text(enc_canvas *canvas, int x, int y, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* Whole or absent. Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
+/* Writes the canvas as a PNG file, which is whole or absent. Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
 btf_result enc_canvas_write(const enc_context *context, const enc_canvas *canvas, const char *path);
 
 #endif

@@ -9,7 +9,7 @@
 
 #include <stdint.h>
 
-/* A well-mixed number of 64 bits (SplitMix64). */
+/* A well-mixed number of 64 bits (SplitMix64; Steele, Lea and Flood 2014). */
 static inline uint64_t enc_mix(uint64_t x) {
     x += 0x9E3779B97F4A7C15u;
     x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
@@ -17,8 +17,8 @@ static inline uint64_t enc_mix(uint64_t x) {
     return x ^ (x >> 31);
 }
 
-/* Adds what draw `index` contributes to its sums. samples: all of the texel (enc_data_texels). Called from
- * several threads at once. */
+/* Adds the contribution of draw number `index` to the sums. samples: all samples of the texel (enc_data_texels).
+ * Called from several threads at once. */
 typedef btf_result enc_measure_texel(const void *user, size_t index, size_t texel, const float *samples,
                                      double *sums);
 

@@ -55,7 +55,8 @@ btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data 
 enum { ENC_BETWEEN_NUMBERS = 4 + 2 * BTF_MAX_BANDS + 7 * (5 + 2 * BTF_MAX_BANDS * BTF_MAX_BANDS) };
 size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, float *out);
 
-/* A table for people, with what it overstates. Nothing where nothing could be left out. */
+/* Prints a table for people, with a word on what the estimate overstates. Prints nothing where nothing could be
+ * left out. */
 void enc_leave_one_out_print(const enc_leave_one_out *measured, FILE *out);
 
 /* {"views", "lights": how many can be left out, "view": {"linear", "srgb", "data_linear", "data_srgb"},

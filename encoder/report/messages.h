@@ -1,4 +1,4 @@
-/* Messages of a part of the work that the report keeps, such as those of reading the data.
+/* Keeps the messages of a part of the work for the report, such as those of reading the data.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -16,13 +16,13 @@ typedef struct enc_message {
     char *text;
 } enc_message;
 
-/* Start with all zeros but `next`, which is told every message too. Warnings and information are kept in the
+/* Start with all zeros but `next`, which receives every message as well. Warnings and information are kept in the
  * order in which they came; an error ends the encode, and no report is written. */
 typedef struct enc_messages {
     btf_log next;
     enc_message *items;
     size_t count;
-    bool lost; /* out of memory: not all are there */
+    bool lost; /* memory ran out, so that messages are missing */
 } enc_messages;
 
 /* A log that keeps and passes on; one message at a time, which enc_log() sees to. `messages` has to outlive it. */

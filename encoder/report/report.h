@@ -41,13 +41,13 @@ typedef struct enc_report {
     const btf_material *material;
     const char *input, *output, *method;
     enc_messages reading; /* notices about the input */
-    enc_report_step
-        ladder[ENC_REPORT_STEPS]; /* rising: sbrdf, stvs, full; those that make sense for the material */
+    /* rising: sbrdf, stvs, full; those that make sense for the material */
+    enc_report_step ladder[ENC_REPORT_STEPS];
     int n_ladder;
     enc_report_step without[ENC_REPORT_STEPS]; /* full without one effect each */
     int n_without;
-    enc_report_level
-        level[BTF_MAX_LEVELS]; /* of a material with several; level 0 is the last of the ladder */
+    /* of a material with several levels of detail; level 0 is the last of the ladder */
+    enc_report_level level[BTF_MAX_LEVELS];
     int n_levels;              /* 0 or 1: no table of them */
     enc_truncation truncations[ENC_MOST_TRUNCATIONS]; /* sampled; of a residual that has several */
     size_t n_truncations;

@@ -52,6 +52,16 @@ extern const char *const bench_preset_names[BENCH_PRESETS];
 /* Measures, writes CSV into run->out and tables into run->summary. */
 typedef btf_result (*bench_section_fn)(const bench_run *run);
 
+typedef struct bench_section {
+    const char *name, *what; /* for --only; the title in the summary */
+    bench_section_fn run;
+    bool quick; /* part of --quick */
+} bench_section;
+
+/* All sections, in the order in which they run. */
+enum { BENCH_SECTIONS = 13 };
+extern const bench_section bench_sections[BENCH_SECTIONS];
+
 btf_result bench_section_machine(const bench_run *run); /* whatever the data */
 btf_result bench_section_encode(const bench_run *run);
 btf_result bench_section_decode(const bench_run *run);

@@ -1,4 +1,4 @@
-/* The files of a section, and the sections that are one table.
+/* The list of sections, the files of a section, and the sections that are one table.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -8,6 +8,34 @@
 
 #include <errno.h>
 #include <string.h>
+
+const bench_section bench_sections[BENCH_SECTIONS] = {
+    {"machine", "what the machine could do at best", bench_section_machine, true},
+    {"encode", "encoding: time against accuracy", bench_section_encode, true},
+    {"decode", "decoding: time against accuracy, on every GL device and on the CPU", bench_section_decode,
+     true},
+    {"storage", "storage: bytes against accuracy", bench_section_storage, true},
+    {"between", "accuracy between the samples, which is what a renderer sees, and at them",
+     bench_section_between, false},
+    {"growth", "encoding: growth of time and memory, up to the texels of --size", bench_section_growth,
+     true},
+    {"fit", "the Lafortune fit beside a Ceres problem with automatic derivatives", bench_section_fit,
+     false},
+    {"codecs", "accuracy at equal bytes, and bytes at equal accuracy, beside principal components",
+     bench_section_codecs, false},
+    {"holdout", "accuracy of the presets at directions that the encoder did not see", bench_section_holdout,
+     false},
+    {"plan", "what decoding only what a scene calls for saves, predicted and measured", bench_section_plan,
+     false},
+    {"costs", "the prices of the cost model that plans load, fitted to one device", bench_section_costs,
+     false},
+    {"stochastic", "decoding one neighbour in place of all: time against noise", bench_section_stochastic,
+     false},
+    {"shaders", "nanoseconds a pixel of every shader variant on random materials", bench_section_shaders,
+     false},
+};
+
+const char *const bench_preset_names[BENCH_PRESETS] = {"fast", "medium", "thorough", "exhaustive"};
 
 const char *bench_seen_words(const bench_run *run) {
     return run->truth->count > 0                             ? "between the samples"

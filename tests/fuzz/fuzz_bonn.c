@@ -5,7 +5,7 @@
  */
 #include "fuzz.h"
 
-#include "encoder/input/bonn_decode.h"
+#include "encoder/input/bonn/decode.h"
 
 #include <math.h>
 

@@ -3,27 +3,18 @@
  * SPDX-License-Identifier: MIT
  */
 #include "decoder/toolkit/cli.h"
-#include "decoder/toolkit/exr_image.h"
-#include "decoder/toolkit/jpeg_image.h"
-#include "decoder/toolkit/png_image.h"
 #include "decoder/toolkit/progress.h"
 #include "directions.h"
+#include "images.h"
 #include "pairs.h"
 #include "sample.h"
 #include "truth_files.h"
-#include "encoder/base/stage.h"
 
-#include <errno.h>
 #include <limits.h>
-#include <math.h>
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-enum { FORMAT_PNG, FORMAT_PNG16, FORMAT_JPEG, FORMAT_EXR, FORMAT_COUNT };
-static const char *const EXTENSIONS[FORMAT_COUNT] = {"png", "png", "jpg", "exr"};
 
 static struct {
     const char *out, *truth, *directions, *views, *lights, *pairs;
@@ -224,190 +215,6 @@ static const cli_program program = {
     .options = table,
 };
 
-static btf_result make_folder(const char *path, btf_log log) {
-    char *part = strdup(path);
-    if (!part) {
-        return BTF_ERROR_MEMORY;
-    }
-    int failed = 0;
-    for (char *at = part + 1; !failed; ++at) {
-        if (*at == '/' || *at == '\0') {
-            char was = *at;
-            *at = '\0';
-            if (mkdir(part, 0777) != 0 && errno != EEXIST) {
-                failed = errno;
-            }
-            *at = was;
-            if (!was) {
-                break;
-            }
-        }
-    }
-    free(part);
-    enc_context context = {.log = log};
-    if (failed) {
-        return enc_fail(&context, BTF_ERROR_IO, "%s: cannot make the folder: %s", path, strerror(failed));
-    }
-    return BTF_OK;
-}
-
-/* Least linear values that are coded as 1, 2 .. levels - 1 of sRGB (IEC 61966-2-1), round to nearest. */
-static void make_thresholds(int levels, double *out) {
-    for (int code = 1; code < levels; ++code) {
-        double coded = (code - 0.5) / (levels - 1);
-        out[code - 1] = coded <= 0.04045 ? coded / 12.92 : pow((coded + 0.055) / 1.055, 2.4);
-    }
-}
-
-/* The code of x: the number of thresholds at or below it. */
-static int code_of(double x, const double *thresholds, int levels) {
-    int low = 0, high = levels - 1;
-    while (low < high) {
-        int middle = (low + high) / 2;
-        if (x >= thresholds[middle]) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
-
-/* Shared by the jobs of all views. */
-typedef struct job {
-    const sample_scene *scene;
-    sample_truth *truth; /* or NULL */
-    btf_log log;
-    double *thresholds; /* of the image format's depth */
-    int levels;         /* 256 or 65536 */
-} job;
-
-static btf_result write_image(const job *j, const char *path, const float *rgb, void *codes) {
-    const sample_options *o = sample_scene_options(j->scene);
-    const size_t count = 3 * (size_t)o->width * (size_t)o->height;
-    if (options.format == FORMAT_EXR) {
-        return exr_image_write(path, o->width, o->height, rgb, false, j->log);
-    }
-    if (options.format == FORMAT_PNG16) {
-        unsigned short *wide = codes;
-        for (size_t i = 0; i < count; ++i) {
-            wide[i] = (unsigned short)code_of(rgb[i], j->thresholds, j->levels);
-        }
-        return png_image_write16(path, o->width, o->height, wide, j->log);
-    }
-    unsigned char *bytes = codes;
-    for (size_t i = 0; i < count; ++i) {
-        bytes[i] = (unsigned char)code_of(rgb[i], j->thresholds, j->levels);
-    }
-    if (options.format == FORMAT_JPEG) {
-        return jpeg_image_write(path, o->width, o->height, bytes, options.quality, j->log);
-    }
-    return png_image_write8(path, o->width, o->height, bytes, j->log);
-}
-
-/* Renders one view and writes its images. images, codes: room for all images of a view, for one coded. */
-static btf_result write_view(const job *j, int view, float *images, void *codes) {
-    const sample_options *o = sample_scene_options(j->scene);
-    btf_result result = sample_scene_view(j->scene, view, images, j->truth);
-    if (result != BTF_OK || view == o->n_views) {
-        return result;
-    }
-    char tv[16], pv[16], tl[16], pl[16], path[PATH_MAX];
-    directions_format_angle(o->views[view].theta, tv);
-    directions_format_angle(o->views[view].phi, pv);
-    snprintf(path, sizeof path, "%s/tv%s_pv%s", options.out, tv, pv);
-    result = make_folder(path, j->log);
-    for (int light = 0; light < o->n_lights && result == BTF_OK; ++light) {
-        directions_format_angle(o->lights[light].theta, tl);
-        directions_format_angle(o->lights[light].phi, pl);
-        snprintf(path, sizeof path, "%s/tv%s_pv%s/%05d tl%s pl%s tv%s pv%s.%s", options.out, tv, pv,
-                 o->n_views * light + view, tl, pl, tv, pv, EXTENSIONS[options.format]);
-        result = write_image(j, path, images + 3 * (size_t)light * o->width * o->height, codes);
-        if (result == BTF_OK && progress_cancelled()) {
-            result = BTF_ERROR_INTERRUPTED;
-        }
-    }
-    return result;
-}
-
-static btf_result write_views(const job *j, const enc_context *context) {
-    const sample_options *o = sample_scene_options(j->scene);
-    const size_t values = 3 * (size_t)o->width * o->height;
-    const int count = o->n_views + (j->truth ? 1 : 0);
-    btf_result result = BTF_OK;
-    enc_stage_begin(context, "render", (size_t)count);
-#pragma omp parallel num_threads(context->threads)
-    {
-        float *images = malloc(values * (size_t)o->n_lights * sizeof *images);
-        void *codes = malloc(values * sizeof(unsigned short));
-#pragma omp for schedule(dynamic)
-        for (int view = 0; view < count; ++view) {
-            btf_result so_far;
-#pragma omp critical(sample_write)
-            so_far = result;
-            if (so_far != BTF_OK) {
-                continue;
-            }
-            btf_result one = !images || !codes        ? BTF_ERROR_MEMORY
-                             : enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
-                                                      : write_view(j, view, images, codes);
-            if (one != BTF_OK) {
-#pragma omp critical(sample_write)
-                result = one;
-            }
-            enc_stage_step(context, 1);
-        }
-        free(images);
-        free(codes);
-    }
-    enc_stage_end(context);
-    if (result == BTF_ERROR_MEMORY) {
-        enc_fail(context, result, "out of memory for the %d images of a view", o->n_lights);
-    }
-    return result;
-}
-
-/* All pairs of a scene, as single images. */
-static btf_result write_pairs(const job *j, const enc_context *context, const sample_pair *pairs,
-                              int count) {
-    const sample_options *o = sample_scene_options(j->scene);
-    const size_t values = 3 * (size_t)o->width * o->height;
-    btf_result result = BTF_OK;
-    enc_stage_begin(context, "render", (size_t)count);
-#pragma omp parallel num_threads(context->threads)
-    {
-        float *image = malloc(values * sizeof *image);
-        void *codes = malloc(values * sizeof(unsigned short));
-#pragma omp for schedule(dynamic)
-        for (int i = 0; i < count; ++i) {
-            btf_result one;
-            char name[PAIRS_NAME], path[PATH_MAX];
-#pragma omp critical(sample_write)
-            one = result;
-            if (one == BTF_OK) {
-                one = !image || !codes ? BTF_ERROR_MEMORY
-                      : enc_cancelled(context)
-                          ? BTF_ERROR_INTERRUPTED
-                          : sample_scene_pair(j->scene, &pairs[i].view, &pairs[i].light, image);
-            }
-            pairs_name(&pairs[i], options.orbit ? i : -1, name);
-            snprintf(path, sizeof path, "%s/%s.%s", options.out, name, EXTENSIONS[options.format]);
-            if (one == BTF_OK) {
-                one = write_image(j, path, image, codes);
-            }
-            if (one != BTF_OK) {
-#pragma omp critical(sample_write)
-                result = one;
-            }
-            enc_stage_step(context, 1);
-        }
-        free(image);
-        free(codes);
-    }
-    enc_stage_end(context);
-    return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "out of memory for an image") : result;
-}
-
 static bool is_between(void) {
     return options.between || options.pairs || options.orbit;
 }
@@ -441,18 +248,18 @@ static btf_result make_pairs(const enc_context *context, sample_pair **out_pairs
 }
 
 /* Single images between the samples. */
-static btf_result run_pairs(job *j, const enc_context *context) {
+static btf_result run_pairs(const images_job *j, const enc_context *context) {
     sample_pair *pairs = NULL;
     int count = 0;
     btf_result result = make_pairs(context, &pairs, &count);
     if (result == BTF_OK) {
-        result = make_folder(options.out, context->log);
+        result = images_make_folder(context, options.out);
     }
     if (result == BTF_OK && options.orbit) {
-        result = pairs_write_table(context, options.out, EXTENSIONS[options.format], pairs, count);
+        result = pairs_write_table(context, options.out, images_extension(j->format), pairs, count);
     }
     if (result == BTF_OK) {
-        result = write_pairs(j, context, pairs, count);
+        result = images_write_pairs(j, pairs, count, options.orbit != PAIRS_NO_ORBIT);
     }
     if (result == BTF_OK && !options.quiet) {
         printf("%s: %s, %dx%d texels, %d pairs of view and light\n", options.out,
@@ -463,17 +270,17 @@ static btf_result run_pairs(job *j, const enc_context *context) {
 }
 
 /* A grid of views and lights. */
-static btf_result run_grid(job *j, const enc_context *context) {
+static btf_result run_grid(images_job *j, const enc_context *context) {
     const sample_options *o = sample_scene_options(j->scene);
-    btf_result result = make_folder(options.out, context->log);
+    btf_result result = images_make_folder(context, options.out);
     if (result == BTF_OK && options.truth) {
-        result = make_folder(options.truth, context->log);
+        result = images_make_folder(context, options.truth);
     }
     if (result == BTF_OK && options.truth) {
         result = sample_truth_create(j->scene, &j->truth);
     }
     if (result == BTF_OK) {
-        result = write_views(j, context);
+        result = images_write_grid(j);
     }
     if (result == BTF_OK && j->truth) {
         result = truth_files_write(j->scene, j->truth, options.truth);
@@ -489,9 +296,12 @@ static btf_result run_grid(job *j, const enc_context *context) {
 
 static btf_result run(const enc_context *context) {
     if (is_between() && !options.has_format) {
-        options.format = FORMAT_EXR;
+        options.format = IMAGES_EXR;
     }
-    job j = {.log = context->log, .levels = options.format == FORMAT_PNG16 ? 65536 : 256};
+    images_job j = {.context = context,
+                    .folder = options.out,
+                    .format = (images_format)options.format,
+                    .quality = options.quality};
     sample_scene *scene = NULL;
     enc_direction *views = NULL, *lights = NULL;
     sample_options o = {.context = context,
@@ -519,14 +329,8 @@ static btf_result run(const enc_context *context) {
     }
     if (result == BTF_OK) {
         j.scene = scene;
-        j.thresholds = malloc((size_t)j.levels * sizeof *j.thresholds);
-        result = j.thresholds ? BTF_OK : enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
-    }
-    if (result == BTF_OK) {
-        make_thresholds(j.levels, j.thresholds);
         result = is_between() ? run_pairs(&j, context) : run_grid(&j, context);
     }
-    free(j.thresholds);
     sample_truth_destroy(&j.truth);
     sample_scene_destroy(&scene);
     free(views);

@@ -240,7 +240,7 @@ CHANGES = [
     ("integers read where floats belong", "stability_files", [
         ("decoder/exr_read.c", "if (entry->pixel_type != type)", "if (entry->pixel_type != type && type == EXR_PIXEL_HALF)")]),
     ("attributes of another type read", "stability_files", [
-        ("decoder/header.c", "if (attribute->type != type) {", "if (attribute->type != type && r->result) {")]),
+        ("decoder/header/attributes.c", "if (attribute->type != type) {", "if (attribute->type != type && r->result) {")]),
     ("indices beyond the end of a list of points", "points", [
         ("decoder/checks/values.c", "if (index >= entries)", "if (index > 15)")]),
     ("the level of a relief lost where finer ones are cut away", "relief", [

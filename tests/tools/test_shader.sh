@@ -33,7 +33,7 @@ expect_text 'tells what it holds' '^a: decode.glsl of [0-9]+ bytes, [0-9]+ textu
 expect_that 'the same again' btf-shader "$file" -l glsl330 -o again/ -q
 expect_that 'the same bytes' diff -r a again
 expect 'a folder that is there' 2 btf-shader "$file" -l essl310 -o a
-expect_text 'is not replaced' 'a: the folder is there; --force replaces it' err
+expect_text 'is not replaced' 'a: the folder exists; --force replaces it' err
 expect_that 'it is as it was' diff -r a again
 expect 'with --force it is' 0 btf-shader "$file" -l essl310 --textures raw --force -o a -q
 expect_that 'and nothing of the old one stays' test -z "$(find a -name '*.ktx2')"

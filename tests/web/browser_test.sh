@@ -9,6 +9,6 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/vectors" "$work/scenes"
 "$3" --vectors "$work/vectors"
-"$5" "$here/vectors.py" "$root/tests/conformance/port/replay.py" "$work/vectors" "$work/raw"
+"$5" "$here/vectors.py" "$root/tests/conformance/port/replay_exr.py" "$work/vectors" "$work/raw"
 "$root/decoder/web/package.sh" "$work/package" "$2"
 node "$here/run_browser.mjs" "$1" "$work/package" "$work/raw" "$root/tests/data/golden" "$6/node_modules" "$4" "$work/scenes" "${@:7}"

@@ -31,8 +31,8 @@ typedef struct btf_evaluate_options {
     btf_filter filter;               /**< of texels; default the texel that holds uv */
 } btf_evaluate_options;
 
-/** Where to evaluate, and where radiance goes. Directions are unit vectors of the tangent frame (x along
- * +u, y along +v, z the normal). */
+/** The arguments of many evaluations, and the array that their radiance goes to. Directions are unit vectors of the
+ * tangent frame (x along +u, y along +v, z the normal). */
 typedef struct btf_evaluations {
     size_t struct_size; /**< sizeof(btf_evaluations) */
     size_t count;       /**< evaluations: the length of each array */
@@ -43,7 +43,7 @@ typedef struct btf_evaluations {
     const float *lights;    /**< [count][3] to the light; with BTF_FIXED_LIGHT [3], the same for all */
     const float *views;     /**< [count][3] to the viewer; with BTF_FIXED_VIEW [3], the same for all */
     const int32_t *levels;  /**< [count] levels of detail, 0 the finest; beyond the last it is the last,
-                               below 0 it is  0. NULL: 0 */
+                               below 0 it is 0. NULL: 0 */
     uint32_t fixed;         /**< btf_fixed bits */
     size_t stride; /**< floats from one uv, light or view to the next where they lie in one table, at
                       least 3, or 2 where both directions are fixed; 0: 2, 3 and 3 */

@@ -11,17 +11,18 @@
  *         btf_gl_fold_create(material, &(btf_gl_options){..., .shader = &options}, 1, log, &fold);
  *         btf_gl_fold_run(fold, textures, 0, 0, light, NULL, log);
  *     }
- *     ... btf_shader_source(material, &options, ...); btf_gl_bind(...); btf_gl_fold_bind(fold, program,
- * unit, ...);
+ *     ... btf_shader_source(material, &options, ...); btf_gl_bind(...);
+ *     btf_gl_fold_bind(fold, program, unit, ...);
  *
- * Not every material can be folded. Of a light alone: an SBRDF depends on the viewer between the samples,
- * and with the effect `gloss` so do the lights of a view; such materials keep nothing for a light. Of light
- * and view every material can: with the effect `relief`, which reads texels from where the pixel stands
- * between them, the values of the three neighbouring views are kept in place of radiance
- * (BTF_FOLD_NEIGHBOURS), and a pixel reads three texels (12) and marches as before. A view that never changes under a light that does is no fold: what is kept
- * would have to be the integer sums of every light and unit, as the decoder rounds these after lights are
- * blended, and that is what the material holds already; a plan (openbtf/plan.h) cuts the material down to
- * that view's neighbours instead.
+ * Not every material can be folded for a light alone: an SBRDF depends on the viewer between the samples,
+ * and with the effect `gloss` so do the lights of a view; such materials cannot be folded for a light alone.
+ * Light and view together can be folded in every material: with the effect `relief`, which reads texels from
+ * where the pixel stands between them, the values of the three neighbouring views are kept in place of
+ * radiance (BTF_FOLD_NEIGHBOURS), and a pixel reads three texels (12) and marches as before. A view that
+ * never changes cannot be folded under a light that does: the texture would have to keep the integer sums of
+ * every light and unit, since the decoder rounds them after lights are blended, and these are the numbers
+ * that the material holds already; a plan (openbtf/plan.h) cuts the material down to that view's neighbours
+ * instead.
  *
  * Several lights are several folds in one texture: a shader adds up btf_evaluate_folded(uv, v, light,
  * level), weighted as it likes. Where light and view are folded to radiance they are added beforehand, too

@@ -97,7 +97,7 @@ typedef enum btf_store {
     BTF_STORE_FACTORS = 1,    /**< version 2: factors of 8, 4 or 2 bits, apart for Y, C1 and C2 */
 } btf_store;
 
-/** Which values the three neighbouring views are blended in. */
+/** The values in which the three neighbouring views are blended. */
 typedef enum btf_blend {
     BTF_BLEND_RADIANCE = 0, /**< each view's radiance, clamped at 0 */
     BTF_BLEND_ROOTS = 1,    /**< square roots; the sum is clamped at 0 and squared. Domain sqrt only */
@@ -338,10 +338,10 @@ const btf_level_error *btf_material_level_errors(const btf_material *material, s
 /** @return the errors of the ways to decode that the encoder measured; owned by the material. */
 btf_effect_errors btf_material_effect_errors(const btf_material *material);
 
-/** @return how far each way to decode is from decoding everything: laid out as btf_effect_errors, but that the mean squared
- * errors are differences to the material decoded with all effects and components and interpolated directions, at level 0
- * (FORMAT.md section 7, openbtf.effectDifferences). Rows of directions 2 there are none: where view and light are samples
- * the data are known. Owned by the material. */
+/** @return how far each way to decode is from decoding everything: laid out as btf_effect_errors, but that the mean
+ * squared errors are differences to the material decoded with all effects and components and interpolated
+ * directions, at level 0 (FORMAT.md section 7, openbtf.effectDifferences). There are no rows of directions 2: where
+ * view and light are samples the data are known. Owned by the material. */
 btf_effect_errors btf_material_effect_differences(const btf_material *material);
 
 /** @return the encoder's estimate of the error between the samples; owned by the material. */
@@ -373,8 +373,8 @@ typedef struct btf_material_desc {
     const uint16_t *preview;
     /** [n_views], 1 where relief acts on the view, else 0; NULL: it acts on all. Only with BTF_EFFECT_RELIEF. */
     const uint8_t *relief_views;
-    const float
-        *effect_differences; /**< as the attribute openbtf.effectDifferences holds them; NULL: none */
+    /** As the attribute openbtf.effectDifferences holds them; NULL: none. */
+    const float *effect_differences;
     size_t effect_difference_count; /**< floats */
 } btf_material_desc;
 

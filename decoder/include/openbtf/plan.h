@@ -45,8 +45,9 @@ typedef struct btf_scene {
      * their sum can be folded (btf_gl_fold_run_lights). */
     int still_lights;
     int no_fold; /**< 1: nothing will be folded (openbtf/fold.h), and no plan counts on it */
-    double
-        folded_pixels; /**< shown while what is fixed stays; a fold that takes more to pay is not made. 0: enough */
+    /** Pixels that are shown before what is fixed changes; a fold that needs more of them to pay is not made. 0: enough
+     * for every fold. */
+    double folded_pixels;
     size_t folded_bytes; /**< most bytes of a fold, a larger one is not made; 0: any */
 } btf_scene;
 
@@ -76,39 +77,45 @@ typedef struct btf_plan {
      * level is not 0, or view and light are samples, which have nothing between them. */
     float between_psnr_linear, between_psnr_srgb;
     float full_between_psnr_linear, full_between_psnr_srgb; /**< likewise, of the full decode */
-    /** Where the light of the scene is fixed, or its lights and the view stand still, and the plan can be folded
-     * (openbtf/fold.h): how, with the view where that
-     * is fixed too; else, and where the scene makes no such fold, BTF_FOLD_NONE. fold_bytes is of one light: BTF_FOLD_BOTH keeps the sum of several in as much
-     * (btf_gl_fold_run_lights), others are as many folds. */
+    /** How the plan can be folded (openbtf/fold.h), where the light of the scene is fixed, or its lights and the view stand
+     * still; BTF_FOLD_NONE where it cannot, or where the scene makes no such fold. The view is folded as well where it is
+     * fixed. fold_bytes is of one light: BTF_FOLD_BOTH keeps the sum of several lights in as many bytes
+     * (btf_gl_fold_run_lights), the other folds take as much for each light. */
     btf_fold fold;
     size_t fold_bytes;  /**< of the folded texture, beside gpu_bytes; else 0 */
     float folded_cost;  /**< of a pixel that reads folded textures, of all lights as `cost`; else `cost` */
     double fold_pixels; /**< pixels after which the fold has paid for itself; else 0 */
-    /** What plans of one material are compared by, the less the better: relative time, folded where that is less,
-     * plus relative bytes; 2 of the full decode. */
+    /** The number by which plans of one material are compared, the less the better: time relative to the full decode's,
+     * folded where that is less, plus bytes relative to its; 2 for the full decode itself. */
     float price;
 } btf_plan;
 
-/** Finds the plan whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below the full decode's where the scene
- * looks, and whose mean of relative cost and relative bytes is least. Where view or light lie between the samples and
- * the file says what is lost there (btf_between_errors), that is the full decode's error: the half of it, 3 dB less,
- * since it is of samples left out, at double the gap (BRICKS64: before it is halved the estimate is, ring by ring, 3.1 to 3.7 dB below what images between the
- * samples show; no file keeps such truth). What a plan adds there is its squared difference to the
- * full decode (btf_material_effect_differences), as errors of decoding and of interpolation have nothing to do with each
- * other; beside a larger error it shows less. Where a file has no differences, it is the mean of the growth of the error at the samples,
- * which is too much, and of that against the data, interpolated, which is too little where relief moves texels. Where view and light are samples, or the
- * file has no such table, or at coarser levels, the error against those alone counts. Ways of the table of effect errors are compared
- * by their mean over the bands that the ranges meet; a view or light that never changes counts by how
- * near to a sample it is, where errors are larger than between. The level is the coarsest whose texels are
- * not larger than a pixel; the filter is bilinear where a texel is larger than a pixel and a half. Relief
- * and gloss are decoded where the file has them, but where the view is fixed and a sample, where they
- * change nothing, and relief but at levels where it has ended (btf_material_info.relief_end): the table
- * compares with interpolated samples, and cannot tell what they are worth between. Where the light is fixed and
- * the view is not, gloss keeps a plan from being folded: there, at level 0, it is left out where that and
- * what else the plan leaves out stay within the tolerance, the scene makes the fold, and the plan is the better for it. How much the error
- * grows without it is half of what btf_between_errors say (3 and 11), which is at double the gap. A plan that can be folded counts by its folded
- * cost; the bytes of the fold are not weighed. No memory is allocated. Errors: BTF_ERROR_USAGE (a range that holds no direction, a negative or
- * infinite number). */
+/** Finds the plan of least price (btf_plan.price) whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below the
+ * full decode's where the scene looks:
+ *
+ *  - The candidates are the ways to decode that the table of effect errors has (btf_material_effect_errors). Their errors
+ *    are averaged over the bands that the scene's ranges meet. A view or light that never changes counts by its distance
+ *    from the nearest sample: errors are larger at samples than between them.
+ *  - Where view or light lie between the samples, and the file tells what is lost there (btf_between_errors), the full
+ *    decode's error is half of that, 3 dB less, since the table is of samples left out, at double the gap. (On BRICKS64
+ *    the table is, ring by ring, 3.1 to 3.7 dB below what images between the samples show; no file keeps such truth.) A
+ *    plan adds its squared difference to the full decode (btf_material_effect_differences), since errors of decoding and
+ *    of interpolation are independent. Where the file has no differences, the mean of two numbers takes their place: how
+ *    much the error at the samples grows, which is too much, and how much the error against the interpolated data grows,
+ *    which is too little where relief moves texels. Where view and light are samples, at coarser levels, and in files
+ *    without these tables, the error at the samples alone counts.
+ *  - The level is the coarsest whose texels are not larger than a pixel; the filter is bilinear where a texel is larger
+ *    than a pixel and a half.
+ *  - Relief and gloss are decoded where the file has them: the table of effect errors compares with interpolated samples
+ *    and cannot tell what they are worth between. They are left out where the view is fixed and a sample, since they
+ *    change nothing there, and relief at levels where it has ended (btf_material_info.relief_end).
+ *  - A plan that can be folded counts by its folded cost; the bytes of the fold are not weighed. Gloss keeps a fixed light
+ *    under a view that is not fixed from being folded. At level 0 it is therefore left out where the scene makes the fold,
+ *    the plan is the better for it, and the error stays within the tolerance, together with all else that the plan leaves
+ *    out. The error without gloss is taken to grow by half of what btf_between_errors say (rows 3 and 11), which is at
+ *    double the gap.
+ *
+ * Allocates no memory. Errors: BTF_ERROR_USAGE (a range that holds no direction, a negative or infinite number). */
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene, float tolerance,
                             btf_plan *out_plan);
 

@@ -46,7 +46,7 @@ typedef enum btf_log_level {
  * thread that called the library, never from another. */
 typedef void (*btf_log_callback)(void *user, btf_log_level level, const char *message);
 
-/** Where messages go. A null pointer to btf_log, or a null callback, drops them. */
+/** The receiver of messages. A null pointer to btf_log, or a null callback, drops them. */
 typedef struct btf_log {
     btf_log_callback callback; /**< receives each message */
     void *user;                /**< handed to callback */

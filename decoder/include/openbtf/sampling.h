@@ -20,8 +20,8 @@ extern "C" {
 
 /** Tables of light sampling, as textures. */
 typedef struct btf_light_sampling {
-    uint32_t n_views, n_lights,
-        n_triangles; /**< triangles of the lights; 1 of no part where there are none */
+    uint32_t n_views, n_lights; /**< as in btf_material_info */
+    uint32_t n_triangles; /**< triangles of the lights; where there are none, 1, which is never drawn */
     /** RGBA32UI, [n_views + 1][n_triangles][4], texture `sampling_triangles`. Row of a view, for each
      * triangle: in R the end of its part of 2^32, then the bits of the floats at its corners; last row: in
      * R, G, B its corners in the plane of the directions, x + 65536 y. */

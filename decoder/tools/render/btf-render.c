@@ -504,7 +504,8 @@ static btf_result check_output(const char *path) {
     return BTF_OK;
 }
 
-static btf_result run(const char *path) {
+static btf_result run(const cli_arguments *arguments) {
+    const char *path = arguments->values[0];
     job j = {.log = cli_log(&render_program, render_options.quiet), .info = {.struct_size = sizeof j.info}};
     btf_result result = settings_check();
     if (!result) {
@@ -536,10 +537,5 @@ static btf_result run(const char *path) {
 }
 
 int main(int argc, char **argv) {
-    cli_arguments arguments;
-    int exit_code;
-    if (!cli_parse(&render_program, argc, argv, &arguments, &exit_code)) {
-        return exit_code;
-    }
-    return cli_finish(&render_program, run(arguments.values[0]));
+    return cli_run(&render_program, argc, argv, run);
 }

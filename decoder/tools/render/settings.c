@@ -195,10 +195,7 @@ static const cli_option option_table[] = {
      .choices = "none|reinhard|filmic",
      .value = &render_options.tone,
      .help = "tone curve of PNG output (default none: values are clipped at 1)"},
-    {.name = "effects",
-     .type = CLI_EFFECTS,
-     .value = &render_options.effects,
-     .help = "effects to decode (default all that the file holds)"},
+    {EFFECTS_OPTION, .value = &render_options.effects},
     {.name = "plan",
      .arg = "auto|none",
      .type = CLI_CHOICE,
@@ -207,7 +204,7 @@ static const cli_option option_table[] = {
      .help = "auto: decode and upload only what the pictures need (btf-info --plan),\n"
              "one plan for each range of frames. On a flat mesh one directional light, and\n"
              "with --fov 0 the view, are the same in every pixel: the shader then holds\n"
-             "their neighbours as constants. The picture is that of the plan without"},
+             "their neighbours as constants, which does not change the picture"},
     {.name = "costs",
      .arg = "FILE",
      .type = CLI_STRING,
@@ -219,11 +216,12 @@ static const cli_option option_table[] = {
      .type = CLI_CHOICE,
      .value = &render_options.fold,
      .choices = "auto|always|never",
-     .help = "whether a light that is the same in every pixel, and with --fov 0 the view, is\n"
-             "decoded once for all pictures: where it takes less time (default), where it is\n"
-             "defined, never. A light alone not where the material has an SBRDF or gloss, which\n"
-             "depend on the view too. The picture is the same. Where the view is too, so are\n"
-             "several lights far away: their sum, in single precision, if relief is not decoded"},
+     .help = "whether to decode a light that is the same in every pixel, with --fov 0 the view\n"
+             "as well, once for all pictures: auto (default) where that takes less time, always\n"
+             "where it is defined, or never. A light alone cannot be folded where the material\n"
+             "has an SBRDF or gloss, which depend on the view. The picture is the same. With the\n"
+             "view, several lights far away are folded into their sum, in single precision,\n"
+             "unless relief is decoded"},
     {.name = "tolerance",
      .arg = "DB",
      .type = CLI_DOUBLE,
@@ -232,13 +230,9 @@ static const cli_option option_table[] = {
      .maximum = 100,
      .help = "what --plan may lose against the full decode, predicted; default 0.5"},
     {COMPONENTS_OPTION, .value = &render_options.components},
-    {INTERPOLATION_OPTION, .value = &render_options.interpolation, .given = &render_options.interpolation_given},
-    {.name = "filter",
-     .type = CLI_CHOICE,
-     .choices = FILTER_CHOICES,
-     .value = &render_options.filter,
-     .help =
-         "between texels (default texel); steep: bilinear, but a texel keeps its\nmiddle half to itself"},
+    {INTERPOLATION_OPTION, .value = &render_options.interpolation,
+     .given = &render_options.interpolation_given},
+    {FILTER_OPTION, .value = &render_options.filter},
     {.name = "stochastic",
      .type = CLI_FLAG,
      .value = &render_options.stochastic,
@@ -260,11 +254,7 @@ static const cli_option option_table[] = {
      .parse = parse_level,
      .help = "level of detail, of a file that has several: auto (default), by what a sample\n"
              "covers of the texture, or one for all"},
-    {.name = "math",
-     .type = CLI_CHOICE,
-     .choices = "exact|fast",
-     .value = &render_options.math,
-     .help = "exact: the same bits on every device (default); fast: GL's own functions"},
+    {MATH_OPTION, .value = &render_options.math},
     {.name = "device",
      .type = CLI_STRING,
      .value = &render_options.device,
@@ -309,10 +299,7 @@ static const cli_option option_table[] = {
      .minimum = 1,
      .maximum = 1024,
      .help = "threads (default: all cores); the picture does not depend on it"},
-    {.name = "quiet",
-     .type = CLI_FLAG,
-     .value = &render_options.quiet,
-     .help = "no progress, no information; warnings stay"},
+    {QUIET_OPTION, .value = &render_options.quiet},
     {.type = CLI_END},
 };
 

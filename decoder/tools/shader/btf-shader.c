@@ -48,24 +48,11 @@ static const cli_option option_table[] = {
      .choices = TEXTURE_STORE_CHOICES,
      .value = &options.store,
      .help = "files of textures: ktx2 (default), dds, or raw bytes, which the manifest describes"},
-    {.name = "effects",
-     .type = CLI_EFFECTS,
-     .value = &options.effects,
-     .given = &options.effects_given,
-     .help = "effects to decode (default: all that the file holds)"},
+    {EFFECTS_OPTION, .value = &options.effects, .given = &options.effects_given},
     {COMPONENTS_OPTION, .value = &options.components, .given = &options.components_given},
     {INTERPOLATION_OPTION, .value = &options.interpolation, .given = &options.interpolation_given},
-    {.name = "filter",
-     .type = CLI_CHOICE,
-     .choices = FILTER_CHOICES,
-     .value = &options.filter,
-     .given = &options.filter_given,
-     .help = "between texels (default texel)"},
-    {.name = "math",
-     .type = CLI_CHOICE,
-     .choices = "exact|fast",
-     .value = &options.math,
-     .help = "exact: the same bits on every device (default); fast: the device's own functions"},
+    {FILTER_OPTION, .value = &options.filter, .given = &options.filter_given},
+    {MATH_OPTION, .value = &options.math},
     {.name = "picks",
      .type = CLI_CHOICE,
      .choices = "none|view|light|all",
@@ -79,7 +66,7 @@ static const cli_option option_table[] = {
      .given = &options.plan_given,
      .parse = scene_option_parse,
      .help = "write only what a scene needs, which chooses effects, components, interpolation,\n"
-             "filter and level of detail: " SCENE_OPTION_HELP},
+             "filter and level of detail. SCENE:\n" SCENE_OPTION_HELP},
     {.name = "costs",
      .arg = "FILE",
      .type = CLI_STRING,
@@ -105,11 +92,7 @@ static const cli_option option_table[] = {
      .type = CLI_FLAG,
      .value = &options.force,
      .help = "replace DIR, if btf-shader wrote all that is in it"},
-    {.short_name = 'q',
-     .name = "quiet",
-     .type = CLI_FLAG,
-     .value = &options.quiet,
-     .help = "no information"},
+    {QUIET_OPTION, .value = &options.quiet},
     {.type = CLI_END},
 };
 
@@ -312,7 +295,8 @@ static btf_result check_options(void) {
     return BTF_OK;
 }
 
-static btf_result run(const char *path) {
+static btf_result run(const cli_arguments *arguments) {
+    const char *path = arguments->values[0];
     const btf_log log = cli_log(&program, options.quiet);
     btf_material *material = NULL, *restricted = NULL;
     btf_plan plan;
@@ -352,10 +336,5 @@ static btf_result run(const char *path) {
 }
 
 int main(int argc, char **argv) {
-    cli_arguments arguments;
-    int exit_code;
-    if (!cli_parse(&program, argc, argv, &arguments, &exit_code)) {
-        return exit_code;
-    }
-    return cli_finish(&program, run(arguments.values[0]));
+    return cli_run(&program, argc, argv, run);
 }

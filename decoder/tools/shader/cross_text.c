@@ -112,7 +112,7 @@ static btf_result finish(char *text, bool known, const char *language, const btf
                          char **out_text) {
     if (text && !known) {
         free(text);
-        file_say(log, "SPIRV-Cross wrote %s of another form than btf-shader knows", language);
+        file_say(log, "btf-shader cannot edit the %s that this version of SPIRV-Cross writes", language);
         return BTF_ERROR_INTERNAL;
     }
     if (!text) {

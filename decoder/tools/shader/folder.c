@@ -132,7 +132,7 @@ static btf_result check_place(folder *f, bool replace) {
     if (!listing) {
         file_say(&f->log, "%s: %s", f->path,
                  S_ISDIR(status.st_mode) ? strerror(errno)
-                                         : "is there, and is no folder; it is not replaced");
+                                         : "exists and is not a folder; it is not replaced");
         return BTF_ERROR_IO;
     }
     char stranger[256] = "";
@@ -148,7 +148,7 @@ static btf_result check_place(folder *f, bool replace) {
     closedir(listing);
     f->there = !empty;
     if (!empty && !replace) {
-        file_say(&f->log, "%s: the folder is there; --force replaces it", f->path);
+        file_say(&f->log, "%s: the folder exists; --force replaces it", f->path);
         return BTF_ERROR_IO;
     }
     if (stranger[0]) {

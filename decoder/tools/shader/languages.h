@@ -24,13 +24,13 @@ typedef enum language {
 typedef struct language_facts {
     const char *name; /* "glsl330" */
     const char *file; /* "decode.glsl" */
-    const char
-        *head; /* the line that a shader of this language begins with, in front of the file; "" for none */
+    /* the line that a shader of this language begins with, in front of the file; "" for none */
+    const char *head;
     const char *use;     /* how the file is used, in a sentence or two, for its first comment */
     const char *binding; /* what the manifest's `binding` is in this language */
     btf_bindings bindings;
-    bool
-        needs_zero; /* no `precise`: the uniform PREFIX_zero, which stays 0, keeps sums and products apart */
+    /* the language has no `precise`: the uniform PREFIX_zero, which stays 0, keeps sums and products apart */
+    bool needs_zero;
 } language_facts;
 
 const language_facts *language_facts_of(language l);

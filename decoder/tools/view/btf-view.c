@@ -292,7 +292,8 @@ static btf_result loop(viewer *v) {
     return v->failed;
 }
 
-static btf_result run(const char *path) {
+static btf_result run(const cli_arguments *arguments) {
+    const char *path = arguments->count ? arguments->values[0] : NULL;
     viewer v = {.read_original = data_set_read, .planning.planner = planner_begin()};
     v.log = (btf_log){log_message, &v};
     view_state_reset(&v.state);
@@ -318,10 +319,5 @@ static btf_result run(const char *path) {
 }
 
 int main(int argc, char **argv) {
-    cli_arguments arguments;
-    int exit_code;
-    if (!cli_parse(&view_program, argc, argv, &arguments, &exit_code)) {
-        return exit_code;
-    }
-    return cli_finish(&view_program, run(arguments.count ? arguments.values[0] : NULL));
+    return cli_run(&view_program, argc, argv, run);
 }

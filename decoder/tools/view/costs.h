@@ -1,4 +1,4 @@
-/* The cost of each effect: frame times as they are measured, PSNR from the file's error table.
+/* The cost of each effect: its frame time, which is measured here, and its PSNR, from the file's error table.
  *
  * SPDX-License-Identifier: MIT
  */

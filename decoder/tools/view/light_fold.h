@@ -1,4 +1,4 @@
-/* The fold (openbtf/fold.h) of a light that is the same in every pixel of the model and rests.
+/* The fold (openbtf/fold.h) of a light that is the same in every pixel of the model and does not move.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -8,18 +8,18 @@
 #include <openbtf/fold.h>
 #include <stdbool.h>
 
-/* All zeros: none. */
+/* All zeros: nothing is folded. */
 typedef struct light_fold {
     btf_gl_fold *gl;
-    btf_shader_options made; /* what it was made for */
+    btf_shader_options made; /* the options that the fold was made for */
 } light_fold;
 
-/* Most bytes of a fold, and frames within which it must pay. */
+/* The most bytes of a fold, and the number of frames within which it must pay. */
 enum { LIGHT_FOLD_BYTES = 512000000, LIGHT_FOLD_FRAMES = 10 };
 
-/* Whether a shader of these options, which fix a light, should read a fold where frames have so many pixels: it is
- * defined, of at most LIGHT_FOLD_BYTES, and pays within LIGHT_FOLD_FRAMES by the prices `costs` (NULL: those of
- * llvmpipe). */
+/* Whether a shader of these options, which fix a light, should read a fold where frames have so many pixels: where
+ * the fold is defined, takes at most LIGHT_FOLD_BYTES, and pays within LIGHT_FOLD_FRAMES by the prices `costs`
+ * (NULL: those of llvmpipe). */
 bool light_fold_wanted(const btf_material *material, const btf_shader_options *options, double pixels,
                        const btf_cost_model *costs);
 

@@ -9,7 +9,7 @@
 
 typedef struct overlay overlay;
 
-/* NULL on failure, told on log. */
+/* Returns NULL on failure, with the reason on log. */
 overlay *overlay_create(const gl_api *gl, const btf_log *log);
 void overlay_destroy(overlay **o);
 

@@ -27,14 +27,14 @@ typedef enum planning_stage {
 
 typedef struct planning {
     planner planner;
-    planning_stage stage; /* the next of the pending plan */
-    double ms[STAGES];    /* of the last plan that was made */
+    planning_stage stage; /* the next one of the pending plan */
+    double ms[STAGES];    /* milliseconds of each stage of the last plan that was made */
     bool folds;           /* the mesh that is shown is flat */
-    view_state seen;      /* when it was last looked at */
+    view_state seen;      /* the state when the planner last looked */
     int size[2];
     btf_scene needed;
-    double moved, light_moved; /* seconds */
-    bool folded;               /* without --plan: the light that rests was looked at */
+    double moved, light_moved; /* when anything, and when the light, last moved: seconds of GLFW's clock */
+    bool folded;               /* without --plan: whether to fold the light that rests has been decided */
 } planning;
 
 typedef struct viewer {
@@ -44,11 +44,11 @@ typedef struct viewer {
     view_state state;
     costs costs;
     btf_material *material;
-    original_reader *read_original; /* of the program: what reads the images of --original */
+    original_reader *read_original; /* set by the program: reads the images of --original */
     original *images;
     drawing *drawing;
     overlay *overlay;
-    mesh *own_mesh, *built_in; /* the latter is shown unless the state says own */
+    mesh *own_mesh, *built_in; /* own_mesh is shown where the state says so, else built_in */
     bvh *bvh;                  /* of the mesh that is shown */
     char material_name[64], message[160];
     planning planning; /* with --plan auto */
@@ -58,7 +58,7 @@ typedef struct viewer {
     btf_result failed; /* ends the loop */
 } viewer;
 
-/* Says what changed: in the panel, and on stdout with --verbose. */
+/* Shows a text that says what changed: in the panel, and with --verbose on stdout. */
 void viewer_tell(viewer *v, const char *text);
 void viewer_frame_size(const viewer *v, int *width, int *height);
 const mesh *viewer_mesh(const viewer *v); /* the one that is shown */

@@ -7,12 +7,12 @@
 
 #include "viewer.h"
 
-/* Nothing is planned any more: another material. */
+/* Drops all plans, because another material is shown. */
 void viewer_forget_plans(viewer *v);
-/* Looks what the picture needs and does the next part of a plan that is due; the first plan at once, all of
- * it. *out_wait: seconds until there is something to do though nothing happens, 0: now, below 0: never. */
+/* Looks which directions the picture needs, and does the next stage of a plan that is due; all stages of the first
+ * plan at once. *out_wait: seconds after which to call again though no event came; 0: now, below 0: never. */
 btf_result viewer_plan(viewer *v, double *out_wait);
-/* Without a plan: folds the light into a texture where it rests on a flat model and that pays. *out_wait as above. */
+/* Without --plan: folds a light that rests on a flat model into a texture, where that pays. *out_wait as above. */
 btf_result viewer_still(viewer *v, double *out_wait);
 /* The plan and the reason for each effect, for the panel. */
 void viewer_plan_text(const viewer *v, char *text, size_t size);

@@ -139,8 +139,8 @@ void btf_ref_evaluate_apart(const btf_ref_material *material, const btf_ref_opti
                             uint32_t row, const btf_ref_neighbours lights[3], const btf_ref_neighbours *views,
                             const float light[3], const float view[3], float out_rgb[3]);
 
-/* Folding: a light that never changes, or light and view, are decoded once; then a pixel reads what was kept. The
- * radiance has the same bits (decoder/README.md, Folding). */
+/* Folding: the part of a decode that depends on a light that never changes, or on light and view, is done once and
+ * kept; a pixel then reads the kept values. The radiance has the same bits (decoder/README.md, Folding). */
 
 /** The directions that never change where decoding is folded. */
 enum {
@@ -157,19 +157,19 @@ typedef struct btf_ref_folded {
     const float *values;
 } btf_ref_folded;
 
-/** @return 1 where a fold is defined: of a light of materials without an SBRDF, which depends on the viewer between
- * samples, if gloss, with which lights do, is not decoded; of light and view as radiance if relief, which moves texels by
- * less than one, is not decoded; of light and view as neighbours always. Else 0. */
+/** @return 1 where @p fold is defined, else 0. That of a light: in materials without an SBRDF, which depends on the
+ * viewer between samples, unless gloss is decoded, with which the lights do. That of light and view as radiance:
+ * unless relief is decoded, which moves texels by parts of one. That of light and view as neighbours: always. */
 int btf_ref_can_fold(const btf_ref_material *material, const btf_ref_options *options, int fold);
 
-/** Rows first_row .. first_row + rows - 1 of what texels show in sampled view @p view under @p light: L of section 9, or
- * y where the blend is of roots. @p options says which effects, and whether lights are interpolated. out_values
- * [rows][column][4]; the fourth is 0. */
+/** Sets rows first_row .. first_row + rows - 1 of the values that texels show in sampled view @p view under @p
+ * light: L of section 9, or y where the blend is of roots. @p options says which effects, and whether lights are
+ * interpolated. out_values [rows][column][4]; the fourth is 0. */
 void btf_ref_fold_light(const btf_ref_material *material, const btf_ref_options *options,
                         const float light[3], uint32_t view, uint32_t first_row, uint32_t rows,
                         float *out_values);
 
-/** The same of radiance from @p view, which need be no sample. */
+/** Sets the same rows of the radiance that texels show to @p view, which need not be a sample. */
 void btf_ref_fold_both(const btf_ref_material *material, const btf_ref_options *options,
                        const float light[3], const float view[3], uint32_t first_row, uint32_t rows,
                        float *out_values);
@@ -178,9 +178,10 @@ void btf_ref_fold_both(const btf_ref_material *material, const btf_ref_options *
  * rounded to float. @p values and @p sum [texels][4], @p weight [3]; the fourth stays. */
 void btf_ref_fold_add(size_t texels, const float *values, const float weight[3], float *sum);
 
-/** Likewise what texels show in neighbour @p neighbour (0 to 2) of the three that btf_ref_lookup() gives for @p view (of
- * the nearest, 0): its value under @p light as it is before views are weighted, with gloss under the lights that it has
- * when seen from @p view; 0 where the neighbour weighs nothing. */
+/** Sets the same rows of the values that texels show in neighbour @p neighbour (0 to 2) of the three that
+ * btf_ref_lookup() gives for @p view (of the nearest, 0): its value under @p light as it is before views are
+ * weighted, with gloss under the lights that it has when seen from @p view; 0 where the neighbour weighs nothing.
+ * */
 void btf_ref_fold_neighbour(const btf_ref_material *material, const btf_ref_options *options,
                             const float light[3], const float view[3], uint32_t neighbour, uint32_t first_row,
                             uint32_t rows, float *out_values);
@@ -190,7 +191,7 @@ void btf_ref_evaluate_folded(const btf_ref_material *material, const btf_ref_opt
                              const btf_ref_folded *folded, float u, float v, const float light[3],
                              const float view[3], float out_rgb[3]);
 
-/** Which neighbours a stochastic decode picks; the others are blended. */
+/** The neighbours that a stochastic decode picks; the others are blended. */
 enum {
     BTF_REF_PICK_VIEW = 1,  /**< the view */
     BTF_REF_PICK_LIGHT = 2, /**< the view and the light */
@@ -205,7 +206,7 @@ void btf_ref_evaluate_stochastic(const btf_ref_material *material, const btf_ref
                                  const uint32_t random[3], float out_rgb[3]);
 
 /** Every neighbour that would be picked decoded to radiance, then blended. Where views or lights are blended as
- * roots elsewhere, it is brighter than btf_ref_evaluate(). */
+ * roots elsewhere, the result is brighter than btf_ref_evaluate()'s. */
 void btf_ref_evaluate_radiance_blend(const btf_ref_material *material, const btf_ref_options *options,
                                      int picks, float u, float v, const float light[3], const float view[3],
                                      float out_rgb[3]);
@@ -227,6 +228,7 @@ void btf_ref_evaluate_radiance_blend_between(const btf_ref_material *levels, uin
 /** Random numbers of a counter, say column, row and frame of a pixel, as btf_random of the shader gives them: PCG3D
  * (Jarzynski and Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020). */
 void btf_ref_random(const uint32_t counter[3], uint32_t out_random[3]);
+
 /** Tables of light sampling (decoder/SAMPLING.md); openbtf/sampling.h of the library makes them of a material. */
 typedef struct btf_ref_sampling {
     uint32_t n_triangles;      /**< at least 1 */

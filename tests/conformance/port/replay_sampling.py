@@ -2,7 +2,7 @@
 
 SPDX-License-Identifier: MIT
 """
-from replay import add, mul, of_bits, power, reciprocal
+from replay_arithmetic import add, mul, of_bits, power, reciprocal
 
 SINE = [of_bits(b) for b in (0x3FC90FDB, 0xBF255DE7, 0x3DA335E3, 0xBB996966, 0x39283C1A)]
 COSINE = [of_bits(b) for b in (0x3F800000, 0xBF9DE9E6, 0x3E81E0F8, 0xBCAAE9E4, 0x3A70FA83)]

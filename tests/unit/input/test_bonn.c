@@ -1,4 +1,4 @@
-/* Bonn's binary .btf files (encoder/input/bonn_file.h, bonn_reader.h): every kind and form against values
+/* Bonn's binary .btf files (encoder/input/bonn): every kind and form against values
  * computed here from the same factors in double precision, by the layout that is published; a file written
  * out by hand; crops, sizes, fewer components, memory bounds; every truncation and contradiction refused by
  * name.
@@ -13,8 +13,8 @@
 #include <cmocka.h>
 
 #include "tests/support/bonn_files.h"
-#include "encoder/input/bonn_colour.h"
-#include "encoder/input/bonn_decode.h"
+#include "encoder/input/bonn/colour.h"
+#include "encoder/input/bonn/decode.h"
 #include "encoder/input/reader.h"
 #include "tests/support/image_files.h"
 

@@ -9,7 +9,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/vectors" "$work/texts"
 "$3" --vectors "$work/vectors"
-"$5" "$here/../vectors.py" "$root/tests/conformance/port/replay.py" "$work/vectors" "$work/raw"
+"$5" "$here/../vectors.py" "$root/tests/conformance/port/replay_exr.py" "$work/vectors" "$work/raw"
 "$4" --write "$work/texts"
 "$root/decoder/web/package.sh" "$work/package" "$2"
 node "$here/run.mjs" "$1" "$work/package" "$work/raw" "$root/tests/data/golden" "$work/texts" ${6:+"$6"}

@@ -1,14 +1,14 @@
-/* Reading one of Bonn's binary .btf files into a BTF. See bonn_reader.h.
+/* Reading one of Bonn's binary .btf files into a BTF. See reader.h.
  *
  * SPDX-License-Identifier: MIT
  */
-#include "bonn_reader.h"
+#include "reader.h"
 
+#include "decode.h"
 #include "encoder/data/extent.h"
+#include "encoder/input/grid.h"
+#include "encoder/input/named_images.h"
 #include "encoder/math/area.h"
-#include "bonn_decode.h"
-#include "grid.h"
-#include "named_images.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,14 +1,15 @@
-/* Opening and checking Bonn's binary .btf files. See bonn_file.h.
+/* Opening and checking Bonn's binary .btf files. See file.h.
  *
  * SPDX-License-Identifier: MIT
  */
-#include "bonn_file.h"
+#include "file.h"
+
+#include "fields.h"
 
 #include <openbtf/reference.h>
 
 #include <errno.h>
 #include <fcntl.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -54,124 +55,53 @@ bool enc_bonn_is(const char *path) {
     return n > 0 && find_signature(begin, (size_t)n) >= 0;
 }
 
-/* Reads fields one after the other. The first that does not fit, or is refused, ends it all. */
-typedef struct cursor {
-    const enc_context *context;
-    const enc_bonn_file *file;
-    uint64_t at;
-    btf_result result;
-} cursor;
-
-static void refuse(cursor *c, btf_result result, uint64_t at, const char *field, const char *why,
-                   double value) {
-    if (c->result == BTF_OK) {
-        c->result = enc_fail(c->context, result, "%s: field %s at byte %llu: %s %.9g", c->file->path, field,
-                             (unsigned long long)at, why, value);
-    }
-}
-
-/* Steps over `size` bytes and returns where they begin; NULL, once refused. */
-static const unsigned char *take(cursor *c, uint64_t size, const char *field) {
-    if (c->result != BTF_OK) {
-        return NULL;
-    }
-    if (size > c->file->size - c->at) {
-        refuse(c, BTF_ERROR_BAD_FILE, c->at, field,
-               "the file ends within it; bytes that it takes:", (double)size);
-        return NULL;
-    }
-    c->at += size;
-    return c->file->bytes + c->at - size;
-}
-
-static uint32_t u32_at(const unsigned char *p) {
-    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
-}
-
-static uint32_t take_u32(cursor *c, const char *field) {
-    const unsigned char *p = take(c, 4, field);
-    return p ? u32_at(p) : 0;
-}
-
-static unsigned take_u8(cursor *c, const char *field) {
-    const unsigned char *p = take(c, 1, field);
-    return p ? *p : 0;
-}
-
-static float take_float(cursor *c, const char *field) {
-    const unsigned char *p = take(c, 4, field);
-    const float value = p ? enc_bonn_number(p, 4) : 0.0f;
-    if (!isfinite(value)) {
-        refuse(c, BTF_ERROR_BAD_FILE, c->at - 4, field, "is not a finite number:", (double)value);
-    }
-    return value;
-}
-
-/* A count from 1 to `most`. */
-static uint32_t take_count(cursor *c, const char *field, uint32_t most) {
-    const uint32_t value = take_u32(c, field);
-    if (value < 1 || value > most) {
-        refuse(c, value < 1 ? BTF_ERROR_BAD_FILE : BTF_ERROR_UNSUPPORTED, c->at - 4, field,
-               value < 1 ? "must not be" : "exceeds what this program reads:", value);
-    }
-    return c->result == BTF_OK ? value : 1;
-}
-
-static unsigned take_scalar(cursor *c) {
-    const unsigned scalar = take_u8(c, "scalar size");
-    if (scalar != 2 && scalar != 4 && scalar != 8) {
-        refuse(c, BTF_ERROR_BAD_FILE, c->at - 1, "scalar size", "must be 2, 4 or 8, not", scalar);
-    }
-    return scalar;
-}
-
-static void read_meta(cursor *c, enc_bonn_file *f) {
+static void read_meta(enc_bonn_cursor *c, enc_bonn_file *f) {
     const uint64_t begin = c->at;
-    const uint32_t size = take_u32(c, "metaSize"), version = take_u32(c, "metaVersion");
+    const uint32_t size = enc_bonn_take_u32(c, "metaSize"), version = enc_bonn_take_u32(c, "metaVersion");
     if (c->result == BTF_OK && (version < 1 || version > 4)) {
-        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "metaVersion", "must be 1 to 4, not", version);
+        enc_bonn_refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "metaVersion", "must be 1 to 4, not", version);
     }
-    take(c, 240, "measurement setup, image sensor and light source");
-    take(c, 16, "pixels per mm and RGB scale factor");
+    enc_bonn_take(c, 240, "measurement setup, image sensor and light source");
+    enc_bonn_take(c, 16, "pixels per mm and RGB scale factor");
     if (version >= 2) {
-        f->cosine = take_u32(c, "cosine flag") != 0;
+        f->cosine = enc_bonn_take_u32(c, "cosine flag") != 0;
     }
     if (version >= 3) {
-        take(c, take_u32(c, "size of the measurement XML"), "measurement XML");
+        enc_bonn_take(c, enc_bonn_take_u32(c, "size of the measurement XML"), "measurement XML");
     }
     if (version >= 4) {
-        const uint32_t channels = take_u32(c, "channel count");
+        const uint32_t channels = enc_bonn_take_u32(c, "channel count");
         if (channels != 3) {
-            refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "channel count", "must be 3 (R, G and B), not",
-                   channels);
+            enc_bonn_refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "channel count",
+                            "must be 3 (R, G and B), not", channels);
         }
         for (uint32_t i = 0; i < 3 && c->result == BTF_OK; i++) {
-            take(c, take_u32(c, "length of a channel name"), "channel name");
+            enc_bonn_take(c, enc_bonn_take_u32(c, "length of a channel name"), "channel name");
         }
     }
     if (c->result == BTF_OK && c->at - begin != size) {
-        refuse(c, BTF_ERROR_BAD_FILE, begin, "metaSize",
-               "does not agree with the length of the block that follows:", size);
+        enc_bonn_refuse(c, BTF_ERROR_BAD_FILE, begin, "metaSize",
+                        "does not agree with the length of the block that follows:", size);
     }
 }
 
-static void read_direction(cursor *c, float direction[2], const char *theta, const char *phi) {
-    direction[0] = take_float(c, theta);
-    direction[1] = take_float(c, phi);
+static void read_direction(enc_bonn_cursor *c, float direction[2], const char *theta, const char *phi) {
+    direction[0] = enc_bonn_take_float(c, theta);
+    direction[1] = enc_bonn_take_float(c, phi);
 }
 
-static void read_directions(cursor *c, enc_bonn_file *f) {
-    f->n_views = take_count(c, "view count", MOST_DIRECTIONS);
+static void read_directions(enc_bonn_cursor *c, enc_bonn_file *f) {
+    f->n_views = enc_bonn_take_count(c, "view count", MOST_DIRECTIONS);
     f->views = calloc(f->n_views, sizeof *f->views);
     if (!f->views) {
         c->result = BTF_ERROR_MEMORY;
     }
     for (uint32_t v = 0; v < f->n_views && c->result == BTF_OK; v++) {
         read_direction(c, f->views[v], "theta of a view", "phi of a view");
-        const uint32_t lights = take_count(c, "light count of a view", MOST_DIRECTIONS);
+        const uint32_t lights = enc_bonn_take_count(c, "light count of a view", MOST_DIRECTIONS);
         if (c->result == BTF_OK && v > 0 && lights != f->n_lights) {
-            refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "light count of a view",
-                   "differs from the first view's:", lights);
+            enc_bonn_refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "light count of a view",
+                            "differs from the first view's:", lights);
         }
         if (v == 0) {
             f->n_lights = lights;
@@ -186,35 +116,35 @@ static void read_directions(cursor *c, enc_bonn_file *f) {
             if (v == 0) {
                 memcpy(f->lights[l], light, sizeof light);
             } else if (c->result == BTF_OK && memcmp(f->lights[l], light, sizeof light) != 0) {
-                refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 8, "light of a view",
-                       "differs from the first view's:", light[0]);
+                enc_bonn_refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 8, "light of a view",
+                                "differs from the first view's:", light[0]);
             }
         }
     }
 }
 
-static void read_size(cursor *c, enc_bonn_file *f) {
-    f->width = take_count(c, "width", MOST_SIDE);
-    f->height = take_count(c, "height", MOST_SIDE);
+static void read_size(enc_bonn_cursor *c, enc_bonn_file *f) {
+    f->width = enc_bonn_take_count(c, "width", MOST_SIDE);
+    f->height = enc_bonn_take_count(c, "height", MOST_SIDE);
 }
 
 /* Local frames: read over, since the surface is a plane here. */
-static void read_rotations(cursor *c) {
-    const uint32_t count = take_u32(c, "rotation count");
-    take(c, 36 * (uint64_t)count, "rotations");
+static void read_rotations(enc_bonn_cursor *c) {
+    const uint32_t count = enc_bonn_take_u32(c, "rotation count");
+    enc_bonn_take(c, 36 * (uint64_t)count, "rotations");
 }
 
 /* `rows` rows of `components` numbers; returns where they begin. */
-static uint64_t take_rows(cursor *c, uint64_t rows, const enc_bonn_matrix *m, const char *field) {
+static uint64_t take_rows(enc_bonn_cursor *c, uint64_t rows, const enc_bonn_matrix *m, const char *field) {
     const uint64_t at = c->at;
-    take(c, rows * m->components * m->scalar, field);
+    enc_bonn_take(c, rows * m->components * m->scalar, field);
     return at;
 }
 
 /* Settles which side is which of a matrix of `rows` by `columns`, whose sides lie at left and right. */
-static void settle_sides(cursor *c, uint64_t at, enc_bonn_matrix *m, uint32_t rows, uint32_t columns,
-                         uint64_t directions, uint64_t texels, uint32_t channels, uint64_t left,
-                         uint64_t right) {
+static void settle_sides(enc_bonn_cursor *c, uint64_t at, enc_bonn_matrix *m, uint32_t rows,
+                         uint32_t columns, uint64_t directions, uint64_t texels, uint32_t channels,
+                         uint64_t left, uint64_t right) {
     if (rows == channels * directions && columns == texels) {
         m->directions = left;
         m->texels = right;
@@ -224,18 +154,19 @@ static void settle_sides(cursor *c, uint64_t at, enc_bonn_matrix *m, uint32_t ro
         m->channel_of_texel = channels > 1;
         m->mean_of_texel = true;
     } else {
-        refuse(c, BTF_ERROR_BAD_FILE, at, "rows and columns",
-               "match neither directions nor texels; rows:", rows);
+        enc_bonn_refuse(c, BTF_ERROR_BAD_FILE, at, "rows and columns",
+                        "match neither directions nor texels; rows:", rows);
     }
 }
 
 /* Scalar size to the end of one factorisation of DFMF and FMF. */
-static void read_factors(cursor *c, const enc_bonn_file *f, uint32_t channels, enc_bonn_matrix *m) {
-    m->scalar = take_scalar(c);
-    m->components = take_count(c, "component count", MOST_COMPONENTS);
+static void read_factors(enc_bonn_cursor *c, const enc_bonn_file *f, uint32_t channels,
+                         enc_bonn_matrix *m) {
+    m->scalar = enc_bonn_take_scalar(c);
+    m->components = enc_bonn_take_count(c, "component count", MOST_COMPONENTS);
     const uint64_t at = c->at;
-    const uint32_t rows = take_u32(c, "rows"), columns = take_u32(c, "columns");
-    take(c, (uint64_t)m->components * m->scalar, "singular values");
+    const uint32_t rows = enc_bonn_take_u32(c, "rows"), columns = enc_bonn_take_u32(c, "columns");
+    enc_bonn_take(c, (uint64_t)m->components * m->scalar, "singular values");
     const uint64_t left = take_rows(c, rows, m, "left factor"),
                    right = take_rows(c, columns, m, "right factor");
     if (c->result == BTF_OK) {
@@ -244,7 +175,7 @@ static void read_factors(cursor *c, const enc_bonn_file *f, uint32_t channels, e
     }
 }
 
-static bool allocate_matrices(cursor *c, enc_bonn_file *f, uint32_t count) {
+static bool allocate_matrices(enc_bonn_cursor *c, enc_bonn_file *f, uint32_t count) {
     f->n_matrices = count;
     f->matrices = c->result == BTF_OK ? calloc(count, sizeof *f->matrices) : NULL;
     if (c->result == BTF_OK && !f->matrices) {
@@ -253,9 +184,9 @@ static bool allocate_matrices(cursor *c, enc_bonn_file *f, uint32_t count) {
     return c->result == BTF_OK;
 }
 
-static void read_dfmf(cursor *c, enc_bonn_file *f) {
-    take_u32(c, "maximal component count");
-    f->model = (int32_t)take_u32(c, "colour model");
+static void read_dfmf(enc_bonn_cursor *c, enc_bonn_file *f) {
+    enc_bonn_take_u32(c, "maximal component count");
+    f->model = (int32_t)enc_bonn_take_u32(c, "colour model");
     switch (f->model) {
     case 0:
     case 1:
@@ -268,14 +199,14 @@ static void read_dfmf(cursor *c, enc_bonn_file *f) {
     case 12:
         break;
     default:
-        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "colour model",
-               "is not one that this program reads:", f->model);
+        enc_bonn_refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 4, "colour model",
+                        "is not one that this program reads:", f->model);
     }
     for (int i = 0; i < 3; i++) {
-        f->mean[i] = take_float(c, "colour mean");
+        f->mean[i] = enc_bonn_take_float(c, "colour mean");
     }
     for (int i = 0; i < 9; i++) {
-        f->matrix[i] = take_float(c, "colour matrix");
+        f->matrix[i] = enc_bonn_take_float(c, "colour matrix");
     }
     if (!allocate_matrices(c, f, 3)) {
         return;
@@ -285,38 +216,40 @@ static void read_dfmf(cursor *c, enc_bonn_file *f) {
     }
 }
 
-static void read_fmf(cursor *c, enc_bonn_file *f, bool versioned) {
-    const unsigned version = versioned ? take_u8(c, "header version") : 0;
+static void read_fmf(enc_bonn_cursor *c, enc_bonn_file *f, bool versioned) {
+    const unsigned version = versioned ? enc_bonn_take_u8(c, "header version") : 0;
     if (version > 2) {
-        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 1, "header version", "must be 0 to 2, not", version);
+        enc_bonn_refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 1, "header version", "must be 0 to 2, not",
+                        version);
     }
     if (version >= 1) {
-        f->logarithm = take_u32(c, "dynamic range reduction") != 0;
+        f->logarithm = enc_bonn_take_u32(c, "dynamic range reduction") != 0;
     }
     if (version >= 2) {
-        const uint64_t rows = take_u32(c, "height map rows"), columns = take_u32(c, "height map columns");
+        const uint64_t rows = enc_bonn_take_u32(c, "height map rows"),
+                       columns = enc_bonn_take_u32(c, "height map columns");
         if (rows > MOST_SIDE || columns > MOST_SIDE) {
-            refuse(c, BTF_ERROR_BAD_FILE, c->at - 8, "height map size",
-                   "exceeds what this program reads:", (double)(rows > columns ? rows : columns));
+            enc_bonn_refuse(c, BTF_ERROR_BAD_FILE, c->at - 8, "height map size",
+                            "exceeds what this program reads:", (double)(rows > columns ? rows : columns));
         }
-        take(c, 2 * rows * columns, "height map");
+        enc_bonn_take(c, 2 * rows * columns, "height map");
     }
-    take_u32(c, "component count");
+    enc_bonn_take_u32(c, "component count");
     if (allocate_matrices(c, f, 1)) {
         read_factors(c, f, 3, f->matrices);
     }
 }
 
-static void check_slots(cursor *c, const enc_bonn_file *f, uint64_t at, uint32_t slots) {
+static void check_slots(enc_bonn_cursor *c, const enc_bonn_file *f, uint64_t at, uint32_t slots) {
     if (c->result == BTF_OK && slots != f->n_views) {
-        refuse(c, BTF_ERROR_BAD_FILE, at, "slot count", "differs from the view count:", slots);
+        enc_bonn_refuse(c, BTF_ERROR_BAD_FILE, at, "slot count", "differs from the view count:", slots);
     }
 }
 
-static void read_pvf(cursor *c, enc_bonn_file *f, bool legacy) {
+static void read_pvf(enc_bonn_cursor *c, enc_bonn_file *f, bool legacy) {
     if (!legacy) {
-        take_u32(c, "component count");
-        const uint32_t slots = take_u32(c, "slot count");
+        enc_bonn_take_u32(c, "component count");
+        const uint32_t slots = enc_bonn_take_u32(c, "slot count");
         check_slots(c, f, c->at - 4, slots);
     }
     if (!allocate_matrices(c, f, f->n_views)) {
@@ -324,13 +257,14 @@ static void read_pvf(cursor *c, enc_bonn_file *f, bool legacy) {
     }
     for (uint32_t v = 0; v < f->n_views && c->result == BTF_OK; v++) {
         enc_bonn_matrix *m = &f->matrices[v];
-        m->scalar = take_scalar(c);
-        m->components = take_count(c, "component count", MOST_COMPONENTS);
+        m->scalar = enc_bonn_take_scalar(c);
+        m->components = enc_bonn_take_count(c, "component count", MOST_COMPONENTS);
         const uint64_t at = c->at;
-        const uint32_t weights = take_u32(c, "weight count"), dimension = take_u32(c, "dimension");
-        take(c, (uint64_t)m->components * m->scalar, "eigenvalues");
+        const uint32_t weights = enc_bonn_take_u32(c, "weight count"),
+                       dimension = enc_bonn_take_u32(c, "dimension");
+        enc_bonn_take(c, (uint64_t)m->components * m->scalar, "eigenvalues");
         m->mean = c->at;
-        take(c, (uint64_t)dimension * m->scalar, "means");
+        enc_bonn_take(c, (uint64_t)dimension * m->scalar, "means");
         const uint64_t left = take_rows(c, dimension, m, "components"),
                        right = take_rows(c, weights, m, "weights");
         if (c->result == BTF_OK) {
@@ -341,9 +275,9 @@ static void read_pvf(cursor *c, enc_bonn_file *f, bool legacy) {
 }
 
 /* Lists the ABRDFs that the file holds, in the order of their storage. */
-static void read_mask(cursor *c, enc_bonn_file *f) {
+static void read_mask(enc_bonn_cursor *c, enc_bonn_file *f) {
     const size_t texels = (size_t)f->width * f->height;
-    const unsigned char *mask = take(c, texels, "mask");
+    const unsigned char *mask = enc_bonn_take(c, texels, "mask");
     f->stored = mask ? malloc(texels * sizeof *f->stored) : NULL;
     if (mask && !f->stored) {
         c->result = BTF_ERROR_MEMORY;
@@ -356,7 +290,7 @@ static void read_mask(cursor *c, enc_bonn_file *f) {
     f->n_missing = (uint32_t)texels - count;
 }
 
-static void read_chunks(cursor *c, enc_bonn_file *f) {
+static void read_chunks(enc_bonn_cursor *c, enc_bonn_file *f) {
     const uint64_t per_chunk = (uint64_t)f->width * f->lines_per_chunk;
     const uint64_t abrdf = 6 * (uint64_t)f->n_views * f->n_lights;
     const uint64_t stored = (uint64_t)f->width * f->height - f->n_missing;
@@ -367,22 +301,22 @@ static void read_chunks(cursor *c, enc_bonn_file *f) {
     }
     for (uint32_t i = 0; i < f->n_chunks && c->result == BTF_OK; i++) {
         const uint64_t left = stored - i * per_chunk, whole = (left < per_chunk ? left : per_chunk) * abrdf;
-        f->chunks[i].size = take_u32(c, "chunk size");
+        f->chunks[i].size = enc_bonn_take_u32(c, "chunk size");
         f->chunks[i].offset = c->at;
         if (c->result == BTF_OK && f->compression != ENC_BONN_BZIP && f->chunks[i].size < whole) {
-            refuse(c, BTF_ERROR_BAD_FILE, c->at - 4, "chunk size",
-                   "is too small for the chunk's samples:", f->chunks[i].size);
+            enc_bonn_refuse(c, BTF_ERROR_BAD_FILE, c->at - 4, "chunk size",
+                            "is too small for the chunk's samples:", f->chunks[i].size);
         }
-        take(c, f->chunks[i].size, "chunk");
+        enc_bonn_take(c, f->chunks[i].size, "chunk");
     }
 }
 
-static void read_bdi(cursor *c, enc_bonn_file *f) {
-    f->lines_per_chunk = take_count(c, "scan lines per chunk", MOST_SIDE);
-    f->compression = take_u8(c, "compression");
+static void read_bdi(enc_bonn_cursor *c, enc_bonn_file *f) {
+    f->lines_per_chunk = enc_bonn_take_count(c, "scan lines per chunk", MOST_SIDE);
+    f->compression = enc_bonn_take_u8(c, "compression");
     if (f->compression > ENC_BONN_SPARSE) {
-        refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 1, "compression", "must be 0, 1 or 2, not",
-               f->compression);
+        enc_bonn_refuse(c, BTF_ERROR_UNSUPPORTED, c->at - 1, "compression", "must be 0, 1 or 2, not",
+                        f->compression);
     }
     if (c->result == BTF_OK) {
         read_mask(c, f);
@@ -394,25 +328,25 @@ static void read_bdi(cursor *c, enc_bonn_file *f) {
 }
 
 /* The first form of PVF has no meta block. */
-static bool read_legacy_pvf(cursor *c, enc_bonn_file *f) {
-    if (f->kind != ENC_BONN_PVF || f->size - c->at < 4 || u32_at(f->bytes + c->at) != LEGACY_PVF) {
+static bool read_legacy_pvf(enc_bonn_cursor *c, enc_bonn_file *f) {
+    if (f->kind != ENC_BONN_PVF || f->size - c->at < 4 || enc_bonn_u32(f->bytes + c->at) != LEGACY_PVF) {
         return false;
     }
-    take(c, 4, "magic number");
-    take_u32(c, "component count");
+    enc_bonn_take(c, 4, "magic number");
+    enc_bonn_take_u32(c, "component count");
     read_size(c, f);
     const uint64_t slots = c->at;
-    take_u32(c, "slot count");
+    enc_bonn_take_u32(c, "slot count");
     read_directions(c, f);
-    if (c->result == BTF_OK && u32_at(f->bytes + slots) != f->n_views) {
-        refuse(c, BTF_ERROR_BAD_FILE, slots, "slot count",
-               "differs from the view count:", u32_at(f->bytes + slots));
+    if (c->result == BTF_OK && enc_bonn_u32(f->bytes + slots) != f->n_views) {
+        enc_bonn_refuse(c, BTF_ERROR_BAD_FILE, slots, "slot count",
+                        "differs from the view count:", enc_bonn_u32(f->bytes + slots));
     }
     return true;
 }
 
 static btf_result parse(const enc_context *context, enc_bonn_file *f) {
-    cursor c = {.context = context, .file = f};
+    enc_bonn_cursor c = {.context = context, .path = f->path, .bytes = f->bytes, .size = f->size};
     const int i = find_signature(f->bytes, (size_t)f->size);
     if (i < 0) {
         return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: not a Bonn .btf file: it has no signature of one",
@@ -440,8 +374,8 @@ static btf_result parse(const enc_context *context, enc_bonn_file *f) {
         read_pvf(&c, f, legacy);
     }
     if (c.result == BTF_OK && c.at != f->size) {
-        refuse(&c, BTF_ERROR_BAD_FILE, c.at, "end of file",
-               "the file goes on; further bytes:", (double)(f->size - c.at));
+        enc_bonn_refuse(&c, BTF_ERROR_BAD_FILE, c.at, "end of file",
+                        "the file goes on; further bytes:", (double)(f->size - c.at));
     }
     return c.result;
 }
@@ -503,23 +437,6 @@ void enc_bonn_close(enc_bonn_file **file) {
     free(f->path);
     free(f);
     *file = NULL;
-}
-
-float enc_bonn_number(const unsigned char *at, unsigned scalar) {
-    if (scalar == 2) {
-        return btf_ref_half((uint16_t)(at[0] | at[1] << 8));
-    }
-    const uint64_t low = u32_at(at);
-    if (scalar == 4) {
-        const uint32_t bits = (uint32_t)low;
-        float value;
-        memcpy(&value, &bits, sizeof value);
-        return value;
-    }
-    const uint64_t bits = low | (uint64_t)u32_at(at + 4) << 32;
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return (float)value;
 }
 
 void enc_bonn_numbers(const enc_bonn_file *file, uint64_t offset, unsigned scalar, size_t count,

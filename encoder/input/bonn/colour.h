@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The inverse of a colour model in place: three rows of `count` samples each, `pitch` floats apart. */
+/* Applies the inverse of a colour model in place: three rows of `count` samples each, `pitch` floats apart. */
 void enc_bonn_colour(int32_t model, const float mean[3], const float matrix[9], size_t count, size_t pitch,
                      float *samples);
 

@@ -1,14 +1,15 @@
-/* Decoding of Bonn's binary .btf files. See bonn_decode.h.
+/* Decoding of Bonn's binary .btf files. See decode.h.
  *
  * A view's light profiles of a block of texels are one small matrix product a channel: the direction side
  * is packed once, the texel side is read from the file block by block.
  *
  * SPDX-License-Identifier: MIT
  */
-#include "bonn_decode.h"
+#include "decode.h"
 
-#include "bonn_colour.h"
+#include "colour.h"
 #include "encoder/math/gemm.h"
+#include "fields.h"
 
 #include <archive.h>
 #include <archive_entry.h>

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "bonn_colour.h"
+#include "colour.h"
 
 #include <math.h>
 

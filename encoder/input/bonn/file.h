@@ -73,8 +73,7 @@ bool enc_bonn_is(const char *path);
 btf_result enc_bonn_open(const enc_context *context, const char *path, enc_bonn_file **out_file);
 void enc_bonn_close(enc_bonn_file **file);
 
-/* A number of `scalar` bytes; and `count` of them that follow one another. */
-float enc_bonn_number(const unsigned char *at, unsigned scalar);
+/* `count` numbers of `scalar` bytes, the first of them at `offset` of the file. */
 void enc_bonn_numbers(const enc_bonn_file *file, uint64_t offset, unsigned scalar, size_t count,
                       float *out);
 

@@ -5,10 +5,10 @@
 #ifndef OPENBTF_ENCODER_BONN_DECODE_H
 #define OPENBTF_ENCODER_BONN_DECODE_H
 
-#include "bonn_file.h"
+#include "file.h"
 
-/* The direction side of a file in memory, in the order that is wanted. Immutable once made: shared by
- * threads. */
+/* The directions' side of a file's matrices in memory, in the order of the output's directions. Immutable once
+ * made: shared by threads. */
 typedef struct enc_bonn_decoder enc_bonn_decoder;
 
 /* view_order[n_views], light_order[n_lights]: the file's number of each view and light of the output.
@@ -18,7 +18,7 @@ typedef struct enc_bonn_decoder enc_bonn_decoder;
 btf_result enc_bonn_decoder_create(const enc_context *context, const enc_bonn_file *file,
                                    const int *view_order, const int *light_order, const float *light_factor,
                                    uint32_t components, enc_bonn_decoder **out_decoder);
-/* The most components that a factorisation of the file has and that are used; 0: it has no factorisation. */
+/* The number of components in use of the factorisation that has most; 0: the file has no factorisation. */
 uint32_t enc_bonn_decoder_components(const enc_bonn_decoder *decoder);
 
 void enc_bonn_decoder_destroy(enc_bonn_decoder **decoder);
