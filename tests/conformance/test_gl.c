@@ -6,14 +6,8 @@
 #include "check.h"
 #include "decoder/toolkit/reference_view.h"
 #include "tests/support/refusals.h"
+#include "tests/support/test.h"
 #include "variant.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 static gpu *device;
 static const gl_api *api; /* of the device */
@@ -123,8 +117,7 @@ static void expect_refusal(const btf_material *material, btf_result result, cons
     }
 }
 
-static void limits_are_told_with_both_numbers(void **state) {
-    (void)state;
+TEST(limits_are_told_with_both_numbers) {
     memset(&fake, 0, sizeof fake);
     fake.texture_size = 16;
     expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "sbrdf: width 24 exceeds GL_MAX_TEXTURE_SIZE 16");
@@ -137,8 +130,7 @@ static void limits_are_told_with_both_numbers(void **state) {
 }
 
 /* The atlas is larger than the context allows: taken apart, it fits. */
-static void an_atlas_too_large_is_taken_apart(void **state) {
-    (void)state;
+TEST(an_atlas_too_large_is_taken_apart) {
     int fits = -1;
     btf_material *whole = NULL, *apart = NULL;
     btf_gl *gl = NULL;
@@ -169,8 +161,7 @@ static void an_atlas_too_large_is_taken_apart(void **state) {
     memset(&fake, 0, sizeof fake);
 }
 
-static void old_and_partial_contexts_are_refused(void **state) {
-    (void)state;
+TEST(old_and_partial_contexts_are_refused) {
     memset(&fake, 0, sizeof fake);
     fake.missing = "glTexImage3D";
     expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "lacks the function glTexImage3D");
@@ -190,8 +181,7 @@ static void old_and_partial_contexts_are_refused(void **state) {
 }
 
 /* Not an error of the device as a whole: a bit of its own. */
-static void wrong_mip_levels_are_told(void **state) {
-    (void)state;
+TEST(wrong_mip_levels_are_told) {
     memset(&fake, 0, sizeof fake);
     uint32_t failures;
     char names[200];
@@ -212,8 +202,7 @@ static void wrong_mip_levels_are_told(void **state) {
     memset(&fake, 0, sizeof fake);
 }
 
-static void frees_what_it_made(void **state) {
-    (void)state;
+TEST(frees_what_it_made) {
     memset(&fake, 0, sizeof fake);
     btf_gl *gl;
     assert_int_equal(btf_gl_upload(tight, &faked, &log_keep, &gl), BTF_OK);
@@ -232,8 +221,7 @@ static void frees_what_it_made(void **state) {
     assert_false(api->IsTexture(name));
 }
 
-static void uploads_what_a_variant_reads(void **state) {
-    (void)state;
+TEST(uploads_what_a_variant_reads) {
     btf_shader_options shader = {.struct_size = sizeof shader,
                                  .leave_out = BTF_EFFECT_SHADOW | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN,
                                  .components = 4};
@@ -285,8 +273,7 @@ static GLint layers_on_device(const btf_gl *gl, btf_texture_id id, GLint level) 
 
 /* Units are whole layers, of classes 1 and 3 two of factor_texels, at every level; a context of few layers
  * holds so many of them. */
-static void uploads_the_first_units(void **state) {
-    (void)state;
+TEST(uploads_the_first_units) {
     enum { UNITS = 9, WIDTH = 8, HEIGHT = 6, LEVELS = 3, VIEWS = 5, LIGHTS = 4 };
     static const GLint layers[UNITS + 1] = {0, 1, 2, 4, 5, 6, 7, 9, 10, 11};
     synthetic_spec spec = {.seed = 23,
@@ -401,8 +388,7 @@ static void set_state(int odd, GLuint texture, GLuint array, GLuint buffer) {
     api->Viewport(odd, odd, 40 + odd, 30);
 }
 
-static void state_is_restored(void **unused) {
-    (void)unused;
+TEST(state_is_restored) {
     GLuint textures[2], buffer, sampler;
     api->GenSamplers(1, &sampler); /* filters as no integer texture can be */
     api->GenTextures(2, textures);
@@ -431,8 +417,7 @@ static void state_is_restored(void **unused) {
 }
 
 /* Uploaded under odd unpacking state, the texels still arrive. */
-static void unpacking_state_does_not_matter(void **state) {
-    (void)state;
+TEST(unpacking_state_does_not_matter) {
     set_state(1, 0, 0, 0);
     btf_gl_options options = gpu_gl_options(device, NULL);
     btf_gl *gl;
@@ -451,8 +436,7 @@ static void unpacking_state_does_not_matter(void **state) {
     btf_gl_destroy(&gl);
 }
 
-static void two_materials_share_a_program(void **state) {
-    (void)state;
+TEST(two_materials_share_a_program) {
     enum { COUNT = 4096 };
     static const char body[] =
         "uvec4 check(uvec4 a, uvec4 b) {\n"
@@ -518,8 +502,7 @@ static void two_materials_share_a_program(void **state) {
 }
 
 /* The library's are the reference's, which conformance holds the shader's against. */
-static void random_numbers_of_a_counter(void **state) {
-    (void)state;
+TEST(random_numbers_of_a_counter) {
     random_state r = {3};
     for (int i = 0; i < 1000; ++i) {
         const uint32_t counter[3] = {(uint32_t)random_bits(&r), (uint32_t)random_bits(&r), (uint32_t)i};
@@ -530,8 +513,7 @@ static void random_numbers_of_a_counter(void **state) {
     }
 }
 
-static void options_are_checked(void **state) {
-    (void)state;
+TEST(options_are_checked) {
     static const char *const wrong[] = {"",
                                         "Upper",
                                         "two__underscores",
@@ -594,20 +576,13 @@ static int setup(void **state) {
     (void)state;
     device = gpu_create_or_skip(&context_devices[0]);
     api = gpu_api(device);
-    synthetic_spec a = {.seed = 21,
-                        .width = 24,
-                        .height = 17,
-                        .n_views = 7,
-                        .n_lights = 13,
-                        .layout = BTF_LAYOUT_TIGHT,
-                        .domain = BTF_DOMAIN_SQRT,
-                        .colour = BTF_COLOUR_RGB,
-                        .lobes = 2,
-                        .half_float = 1,
-                        .effects = BTF_EFFECT_VERSION_1,
-                        .components = 6,
-                        .centres = 100,
-                        .directions = SYNTHETIC_RANDOM};
+    /* clang-format off */
+    synthetic_spec a = {
+        .seed = 21, .width = 24, .height = 17, .n_views = 7, .n_lights = 13, .layout = BTF_LAYOUT_TIGHT,
+        .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_RGB, .lobes = 2, .half_float = 1,
+        .effects = BTF_EFFECT_VERSION_1, .components = 6, .centres = 100, .directions = SYNTHETIC_RANDOM,
+    };
+    /* clang-format on */
     synthetic_spec b = {.seed = 22,
                         .width = 16,
                         .height = 16,
@@ -630,20 +605,4 @@ static int teardown(void **state) {
     return 0;
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(random_numbers_of_a_counter),
-        cmocka_unit_test(options_are_checked),
-        cmocka_unit_test(limits_are_told_with_both_numbers),
-        cmocka_unit_test(an_atlas_too_large_is_taken_apart),
-        cmocka_unit_test(old_and_partial_contexts_are_refused),
-        cmocka_unit_test(wrong_mip_levels_are_told),
-        cmocka_unit_test(frees_what_it_made),
-        cmocka_unit_test(uploads_what_a_variant_reads),
-        cmocka_unit_test(uploads_the_first_units),
-        cmocka_unit_test(state_is_restored),
-        cmocka_unit_test(unpacking_state_does_not_matter),
-        cmocka_unit_test(two_materials_share_a_program),
-    };
-    return cmocka_run_group_tests_name("gl", tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

@@ -272,24 +272,14 @@ static double sample(int view, int light, int channel, int x, int y) {
 static void write_bonn(const char *name, bonn_form form, const char *signature, unsigned compression) {
     static const double list[2][2] = {{0, 0}, {45, 90}};
     static const unsigned char mask[6] = {1, 0, 1, 1, 0, 1};
-    const bonn_spec spec = {.form = form,
-                            .signature = signature,
-                            .meta_version = 4,
-                            .width = 3,
-                            .height = 2,
-                            .n_views = 2,
-                            .n_lights = 2,
-                            .views = list,
-                            .lights = list,
-                            .scalar = {2, 4, 8},
-                            .components = {2, 1, 2},
-                            .compression = compression,
-                            .lines_per_chunk = 1,
-                            .mask = compression == 2 ? mask : NULL,
-                            .direction = direction,
-                            .texel = texel,
-                            .average = average,
-                            .sample = sample};
+    /* clang-format off */
+    const bonn_spec spec = {
+        .form = form, .signature = signature, .meta_version = 4, .width = 3, .height = 2, .n_views = 2,
+        .n_lights = 2, .views = list, .lights = list, .scalar = {2, 4, 8}, .components = {2, 1, 2},
+        .compression = compression, .lines_per_chunk = 1, .mask = compression == 2 ? mask : NULL,
+        .direction = direction, .texel = texel, .average = average, .sample = sample,
+    };
+    /* clang-format on */
     must(bonn_write(path_of("bonn", name), &spec), "a .btf cannot be written");
 }
 

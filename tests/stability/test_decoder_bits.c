@@ -10,21 +10,13 @@
 #include "tests/support/exr_edit.h"
 #include <openbtf/reference.h>
 #include "decoder/toolkit/reference_view.h"
+#include "tests/support/messages.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-
-static char message[400];
-
-static void keep_message(void *user, btf_log_level level, const char *text) {
-    (void)user;
-    (void)level;
-    snprintf(message, sizeof message, "%s", text);
-}
-static const btf_log listener = {.callback = keep_message};
 
 static bool is_legal(uint32_t bits) {
     const uint32_t magnitude = bits & 0x7FFFFFFFu;
@@ -68,8 +60,8 @@ static void file_parameters(void) {
                 *texel = bit_classes[k].bits;
                 edit_save(file, &data, &size);
                 *texel = before;
-                message[0] = 0;
-                const btf_result result = btf_material_open_memory(data, size, &listener, &material);
+                last_message[0] = 0;
+                const btf_result result = btf_material_open_memory(data, size, &log_keep, &material);
                 free(data);
                 places++;
                 if (bit_classes[k].legal) {
@@ -78,8 +70,8 @@ static void file_parameters(void) {
                     char place[100];
                     snprintf(place, sizeof place, "sbrdf: channel %s at (%d, %d) holds",
                              part->channels[c].name, x, y);
-                    ok = ok && result == BTF_ERROR_BAD_FILE && strstr(message, place) != NULL;
-                    snprintf(example, sizeof example, "refused: %s", message);
+                    ok = ok && result == BTF_ERROR_BAD_FILE && strstr(last_message, place) != NULL;
+                    snprintf(example, sizeof example, "refused: %s", last_message);
                 }
                 btf_material_close(&material);
             }
@@ -122,8 +114,8 @@ static void file_scales(void) {
         for (size_t k = 0; k < bit_class_count; k++) {
             *value = float_of_bits(bit_classes[k].bits);
             edit_save(file, &data, &size);
-            message[0] = 0;
-            const btf_result result = btf_material_open_memory(data, size, &listener, &material);
+            last_message[0] = 0;
+            const btf_result result = btf_material_open_memory(data, size, &log_keep, &material);
             free(data);
             const bool legal = bit_classes[k].legal &&
                                (many || *value > (list[n].number == FROM_ONE ? 0x1.fffffep-1f : 0));
@@ -133,7 +125,7 @@ static void file_scales(void) {
             } else {
                 refused++;
                 ok = ok && result == BTF_ERROR_BAD_FILE &&
-                     strstr(message, strchr(list[n].name, '.') + 1) != NULL;
+                     strstr(last_message, strchr(list[n].name, '.') + 1) != NULL;
             }
             btf_material_close(&material);
         }

@@ -3,23 +3,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/factor/choose_plan.h"
 #include "encoder/factor/components.h"
 #include "encoder/factor/measure.h"
 #include "encoder/factor/round.h"
 #include "encoder/math/symmetric.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
@@ -93,8 +82,7 @@ static void plan(const enc_factor_matrix *m, const enc_components components[3],
     assert_true(enc_factor_bytes(out_is, SIDE * SIDE, VIEWS, LIGHTS) <= budget);
 }
 
-static void test_trial_beats_expectation(void **state) {
-    (void)state;
+TEST(test_trial_beats_expectation) {
     const size_t ranks[3] = {120, 8, 8};
     const enc_context *contexts[2] = {&one, &two};
     enc_factor_plan chosen[2];
@@ -120,8 +108,7 @@ static void test_trial_beats_expectation(void **state) {
 
 /* Rows of a random product of a matrix of one component, as of an all-white channel: multiples of one row, all of whose
  * texels are alike. They become orthonormal all the same, and hold that row, which two rounds do not reach. */
-static void test_multiples_of_one_row(void **state) {
-    (void)state;
+TEST(test_multiples_of_one_row) {
     enum { RANK = 96, COUNT = 240 };
     enc_data *data = make(&two, 0);
     const enc_factor_matrix m = enc_factor_matrix_of(&two, data);
@@ -158,10 +145,4 @@ static void test_multiples_of_one_row(void **state) {
     enc_data_destroy(&data);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_multiples_of_one_row),
-        cmocka_unit_test(test_trial_beats_expectation),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -2,21 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/paper/cluster.h"
 #include "encoder/math/kmeans.h"
 #include "encoder/paper/cluster_split.h"
 #include "encoder/math/simd.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 static const enc_context context = {.threads = 2};
 static const enc_context one_thread = {.threads = 1};
@@ -27,8 +17,7 @@ static float uniform(void) {
     return (float)(random_state >> 8) * 0x1p-24f;
 }
 
-static void test_shares_by_largest_remainder(void **state) {
-    (void)state;
+TEST(test_shares_by_largest_remainder) {
     /* quotas of 10 among 47, 16, 158, 81 and 0: 1.556, 0.530, 5.232, 2.682: the second is raised to 1 */
     const size_t hidden[5] = {47, 16, 158, 81, 0};
     size_t shares[5];
@@ -62,8 +51,7 @@ static void test_shares_by_largest_remainder(void **state) {
     }
 }
 
-static void test_shares_always_add_up(void **state) {
-    (void)state;
+TEST(test_shares_always_add_up) {
     random_state = 3;
     for (int round = 0; round < 3000; round++) {
         size_t hidden[256], distinct[256], shares[256], all = 0, active = 0, points = 0;
@@ -141,8 +129,7 @@ static float worst_root_error(const enc_data *data, const enc_occlusion *o, cons
     return worst;
 }
 
-static void test_separable_clusters(void **state) {
-    (void)state;
+TEST(test_separable_clusters) {
     for (int variant = 0; variant < 4; variant++) {
         enc_occlusion *o = NULL;
         enc_data *data = make_data(&context, 12, 10, &o);
@@ -191,8 +178,7 @@ static void test_separable_clusters(void **state) {
 }
 
 /* Parts hold every row once, in order, none more than allowed; a set of two kinds falls into its kinds. */
-static void test_split(void **state) {
-    (void)state;
+TEST(test_split) {
     enum { ROWS = 1000, STRIDE = 16, MOST = 130 };
     float rows[ROWS][STRIDE] = {{0}};
     size_t order[ROWS], first[ROWS / MOST * 2 + 3], parts;
@@ -219,8 +205,7 @@ static void test_split(void **state) {
 
 /* More hidden points than are clustered together: a view's centres still serve the points they were made
  * for. */
-static void test_parts_of_a_view(void **state) {
-    (void)state;
+TEST(test_parts_of_a_view) {
     enum { TEXELS = 70 * 60 };
     enc_occlusion *o = NULL;
     enc_data *data = make_data(&context, 70, 60, &o);
@@ -247,8 +232,7 @@ static void test_parts_of_a_view(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_more_centres_than_points(void **state) {
-    (void)state;
+TEST(test_more_centres_than_points) {
     enc_occlusion *o = NULL;
     enc_data *data = make_data(&context, 10, 1, &o);
     random_state = 4;
@@ -280,8 +264,7 @@ static void test_more_centres_than_points(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_nothing_hidden_and_black(void **state) {
-    (void)state;
+TEST(test_nothing_hidden_and_black) {
     enc_occlusion *o = NULL;
     enc_data *data = make_data(&context, 4, 4, &o);
     enc_centres *c = NULL;
@@ -309,8 +292,7 @@ static void test_nothing_hidden_and_black(void **state) {
 }
 
 /* Threads, instruction sets and where the samples lie change nothing; the seed does. */
-static void test_same_result_everywhere(void **state) {
-    (void)state;
+TEST(test_same_result_everywhere) {
     const enc_context tight = {.threads = 2, .memory = 1};
     enc_centres *first = NULL;
     enc_occlusion *first_occlusion = NULL;
@@ -357,8 +339,7 @@ static void test_same_result_everywhere(void **state) {
     enc_occlusion_destroy(&first_occlusion);
 }
 
-static void test_kmeans_with_duplicates(void **state) {
-    (void)state;
+TEST(test_kmeans_with_duplicates) {
     enum { N = 40, STRIDE = 16 };
     static float points[N * STRIDE], centres[4 * STRIDE];
     uint32_t index[N];
@@ -383,8 +364,7 @@ static void test_kmeans_with_duplicates(void **state) {
 }
 
 /* The pruned search for the nearest centre against all of them. */
-static void test_nearest_against_brute_force(void **state) {
-    (void)state;
+TEST(test_nearest_against_brute_force) {
     enum { N = 200, K = 60, STRIDE = 48 };
     static float points[N * STRIDE], centres[K * STRIDE], squares[N];
     static uint32_t index[N];
@@ -422,18 +402,4 @@ static void test_nearest_against_brute_force(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shares_by_largest_remainder),
-        cmocka_unit_test(test_shares_always_add_up),
-        cmocka_unit_test(test_separable_clusters),
-        cmocka_unit_test(test_split),
-        cmocka_unit_test(test_parts_of_a_view),
-        cmocka_unit_test(test_more_centres_than_points),
-        cmocka_unit_test(test_nothing_hidden_and_black),
-        cmocka_unit_test(test_same_result_everywhere),
-        cmocka_unit_test(test_kmeans_with_duplicates),
-        cmocka_unit_test(test_nearest_against_brute_force),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

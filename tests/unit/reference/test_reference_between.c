@@ -5,6 +5,7 @@
  */
 #include "reference_assert.h"
 #include "tests/support/reference_material.h"
+#include "tests/support/test.h"
 
 #include "reference/btf_reference_private.h"
 
@@ -53,8 +54,7 @@ static void assert_same(const float rgb[3], const float expected[3]) {
 
 /** Heights of 0, of a map or of none, leave every texel as it is without relief; filters blend in another
  * order only. */
-static void test_zero_heights(void **state) {
-    (void)state;
+TEST(test_zero_heights) {
     static made x;
     uint32_t random = 3;
     double worst = 0;
@@ -92,8 +92,7 @@ static void test_zero_heights(void **state) {
 
 /** At the sampled views, whatever the heights, relief and gloss change nothing; nor do they where views
  * only differ by what a device may flush to zero. */
-static void test_sampled_views(void **state) {
-    (void)state;
+TEST(test_sampled_views) {
     static made x;
     uint32_t random = 5;
     for (uint32_t seed = 1; seed <= 60; ++seed) {
@@ -115,8 +114,7 @@ static void test_sampled_views(void **state) {
 }
 
 /** Views that relief leaves alone: with none of it left it changes nothing, whatever the heights. */
-static void test_views_left_alone(void **state) {
-    (void)state;
+TEST(test_views_left_alone) {
     static made x;
     uint32_t random = 7;
     for (uint32_t seed = 1; seed <= 60; ++seed) {
@@ -162,8 +160,7 @@ static void blended_value(const made *x, const btf_ref_options *o, uint32_t colu
 
 /** Each view with its own lights, at its own texels, blended over texels and then over views, is the
  * result. */
-static void test_parts(void **state) {
-    (void)state;
+TEST(test_parts) {
     static made x;
     uint32_t random = 11, compared = 0, of_roots = 0;
     double worst = 0;
@@ -248,8 +245,7 @@ static void gloss_lights(const btf_ref_material *m, const btf_ref_neighbours *vi
 
 /** Every entry point gives the same texel: relief starts at its centre; neighbours of lights from outside
  * know no gloss, unless each view has its own. */
-static void test_ways_agree(void **state) {
-    (void)state;
+TEST(test_ways_agree) {
     static made x;
     uint32_t random = 13;
     for (uint32_t seed = 1; seed <= 60; ++seed) {
@@ -314,8 +310,7 @@ static void make_smooth(uint32_t seed, made *out) {
 
 /** Along lines across all cells, past views that relief acts on and others: a step of the view does not
  * make the result jump, for relief fades and gloss is a motion. */
-static void test_no_jumps(void **state) {
-    (void)state;
+TEST(test_no_jumps) {
     static made x;
     uint32_t random = 17;
     double worst = 0;
@@ -374,8 +369,7 @@ static float hard_component(uint32_t *random, const made *x, int k) {
 }
 
 /** Legal files of extreme parameters, any bits as arguments: finite, not negative, no denormal. */
-static void test_finite(void **state) {
-    (void)state;
+TEST(test_finite) {
     static made x;
     uint32_t random = 19, lit = 0, evaluations = 0;
     for (uint32_t seed = 1; seed <= 200; ++seed) {
@@ -406,12 +400,4 @@ static void test_finite(void **state) {
     assert_true(lit > evaluations / 10);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_zero_heights),     cmocka_unit_test(test_sampled_views),
-        cmocka_unit_test(test_views_left_alone), cmocka_unit_test(test_parts),
-        cmocka_unit_test(test_ways_agree),       cmocka_unit_test(test_no_jumps),
-        cmocka_unit_test(test_finite),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

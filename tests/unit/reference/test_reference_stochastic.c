@@ -5,9 +5,9 @@
  */
 #include "reference_assert.h"
 #include "tests/support/reference_material.h"
+#include "tests/support/test.h"
 
 #include "reference/btf_reference_private.h"
-#include "tests/support/light.h"
 
 enum { OLD_EFFECTS = BTF_REF_SHADOW | BTF_REF_SHIFT | BTF_REF_HIDDEN | BTF_REF_GAIN | BTF_REF_RESIDUAL };
 
@@ -99,8 +99,7 @@ static bool single_light(const made *x, const btf_ref_options *o, point *p, uint
 
 /* --- the random numbers --- */
 
-static void test_random(void **state) {
-    (void)state;
+TEST(test_random) {
     static const uint32_t counters[3][3] = {{0, 0, 0}, {1, 2, 3}, {0xFFFFFFFF, 0x80000000, 12345}};
     static const uint32_t expected[3][3] = {{0x9BAFD7C6, 0xA8E88A6B, 0x3F15482C},
                                             {0xFA9F79A6, 0x48F2F44C, 0x596F5AB1},
@@ -116,8 +115,7 @@ static void test_random(void **state) {
 
 /** Directions that are samples and one texel, and nearest mode: every choice is the decode of section 9,
  * bit for bit. */
-static void test_one_choice(void **state) {
-    (void)state;
+TEST(test_one_choice) {
     static made x;
     uint32_t random = 3;
     for (uint32_t seed = 1; seed <= 60; ++seed) {
@@ -141,8 +139,7 @@ static void test_one_choice(void **state) {
 }
 
 /** Below the horizon there is nothing. */
-static void test_horizon(void **state) {
-    (void)state;
+TEST(test_horizon) {
     static made x;
     uint32_t random = 5;
     make(1, &x);
@@ -161,8 +158,7 @@ static void test_horizon(void **state) {
 
 /** Without relief and gloss, of one texel: radiance of single views and lights, decoded by another entry
  * point. */
-static void test_blend_of_neighbours(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_blend_of_neighbours) {
     static made x;
     uint32_t random = 7;
     for (uint32_t seed = 1; seed <= 60; ++seed) {
@@ -213,8 +209,7 @@ static void test_blend_of_neighbours(void **state) {
 
 /** Where views are blended as radiance, and views alone are picked, the blend is the decode of section 9,
  * with all effects and filters: in another order at most. */
-static void test_blend_of_radiance(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_blend_of_radiance) {
     static made x;
     uint32_t random = 29;
     double worst = 0;
@@ -241,8 +236,7 @@ static void test_blend_of_radiance(void **state) {
 /* --- the mean of all choices --- */
 
 /** All 4096 numbers that pick a view. */
-static void test_mean_over_views(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_mean_over_views) {
     static made x;
     uint32_t random = 11;
     for (uint32_t seed = 1; seed <= 40; ++seed) {
@@ -264,8 +258,7 @@ static void test_mean_over_views(void **state) {
 }
 
 /** All that pick a light, seen from a sample. */
-static void test_mean_over_lights(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_mean_over_lights) {
     static made x;
     uint32_t random = 13;
     for (uint32_t seed = 1; seed <= 40; ++seed) {
@@ -289,8 +282,7 @@ static void test_mean_over_lights(void **state) {
 
 /** All that pick a texel, under one light and seen from a sample; then all that pick a level, of one texel.
  */
-static void test_mean_over_texels_and_levels(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_mean_over_texels_and_levels) {
     static made x[2];
     uint32_t random = 17;
     int seen = 0;
@@ -335,8 +327,7 @@ static void test_mean_over_texels_and_levels(void **state) {
 }
 
 /** Everything at once, of random numbers of the hash: within 4 standard errors. */
-static void test_mean_of_samples(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_mean_of_samples) {
     enum { SAMPLES = 20000 };
     static made x;
     uint32_t random = 19;
@@ -373,8 +364,7 @@ static void test_mean_of_samples(void **state) {
 /* --- levels --- */
 
 /** Levels that are none, or whole, or beyond the last. */
-static void test_levels(void **state) {
-    (void)state;
+TEST(test_levels) {
     static made x[3];
     static const struct {
         float level;
@@ -402,20 +392,4 @@ static void test_levels(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random),
-        cmocka_unit_test(test_one_choice),
-        cmocka_unit_test(test_horizon),
-        cmocka_unit_test(test_levels),
-    };
-    const struct CMUnitTest numbers[] = {
-        cmocka_unit_test(test_blend_of_neighbours),
-        cmocka_unit_test(test_blend_of_radiance),
-        cmocka_unit_test(test_mean_over_views),
-        cmocka_unit_test(test_mean_over_lights),
-        cmocka_unit_test(test_mean_over_texels_and_levels),
-        cmocka_unit_test(test_mean_of_samples),
-    };
-    return RUN_TESTS_AND_NUMBERS("reference-stochastic", tests, numbers);
-}
+RUN_TESTS(NULL, NULL)

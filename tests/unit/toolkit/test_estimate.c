@@ -5,15 +5,7 @@
  */
 #include "encoder/job/cost.h"
 #include "encoder/job/job.h"
-
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "tests/support/test.h"
 
 typedef struct recorded {
     const char *stage;
@@ -124,8 +116,7 @@ static void play(const recording *r, const estimate_part *parts, size_t count, d
     assert_int_equal(marks, 3);
 }
 
-static void test_recordings(void **state) {
-    (void)state;
+TEST(test_recordings) {
     for (size_t i = 0; i < sizeof recordings / sizeof *recordings; i++) {
         const recording *r = &recordings[i];
         estimate_part parts[ESTIMATE_PARTS];
@@ -146,8 +137,7 @@ static void test_recordings(void **state) {
 }
 
 /* Without weights the same recordings are far off: the bound above says something. */
-static void test_equal_weights(void **state) {
-    (void)state;
+TEST(test_equal_weights) {
     double worst = 0;
     for (size_t i = 0; i < sizeof recordings / sizeof *recordings; i++) {
         const recording *r = &recordings[i];
@@ -167,8 +157,7 @@ static void test_equal_weights(void **state) {
 }
 
 /* A stage that ends early, or is not run at all, moves the fraction forwards and does not spoil the rate. */
-static void test_early(void **state) {
-    (void)state;
+TEST(test_early) {
     const estimate_part parts[] = {{"a", 10}, {"b", 60}, {"c", 20}, {"d", 10}};
     estimate e;
     estimate_begin(&e, parts, 4, 0);
@@ -197,8 +186,7 @@ static void test_early(void **state) {
 }
 
 /* Costs grow with what they count: with a finite and positive prediction for every size. */
-static void test_sizes(void **state) {
-    (void)state;
+TEST(test_sizes) {
     static const int sides[] = {1, 16, 64, 256, 400, 4096, 16384};
     for (int method = 0; method < 2; method++) {
         double before = 0;
@@ -222,12 +210,4 @@ static void test_sizes(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_recordings),
-        cmocka_unit_test(test_equal_weights),
-        cmocka_unit_test(test_early),
-        cmocka_unit_test(test_sizes),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

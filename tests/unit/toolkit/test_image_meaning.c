@@ -3,41 +3,19 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/jpeg_image.h"
 #include "decoder/toolkit/png_image.h"
 #include "encoder/input/colour.h"
 #include "tests/support/image_files.h"
+#include "tests/support/temporary.h"
+#include "tests/support/test.h"
 
-#include <math.h>
 #include <png.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 #include <zlib.h>
 
 enum { W = 8, H = 6 };
-static char file[256], message[700];
-
-static int make_file(void **state) {
-    (void)state;
-    const char *base = getenv("TMPDIR");
-    snprintf(file, sizeof file, "%s/btf-meaning-XXXXXX", base && *base ? base : "/tmp");
-    const int fd = mkstemp(file);
-    return fd < 0 ? -1 : close(fd);
-}
-
-static int remove_file(void **state) {
-    (void)state;
-    return unlink(file);
-}
+static char message[700];
 
 static btf_result decode_bytes(const unsigned char *data, size_t size, enc_image *out_image) {
     unsigned char *just = malloc(size);
@@ -87,9 +65,9 @@ static bytes plain_png(int depth, int colour_type) {
             pixels[i] = 255;
         }
     }
-    write_png(file, W, H, colour_type, depth, false, pixels, NULL);
+    write_png(temporary_file, W, H, colour_type, depth, false, pixels, NULL);
     size_t size;
-    void *data = read_whole_file(file, &size);
+    void *data = read_whole_file(temporary_file, &size);
     assert_true(size < sizeof b.data);
     memcpy(b.data, data, size);
     free(data);
@@ -160,8 +138,7 @@ static double bt709(double v) {
 }
 
 /* gAMA, sRGB and cICP, one over the other in the order of their rank; none means sRGB. */
-static void test_png_transfer(void **state) {
-    (void)state;
+TEST(test_png_transfer) {
     for (int depth = 8; depth <= 16; depth += 8) {
         unsigned char gamma[4];
         bytes b = plain_png(depth, PNG_COLOR_TYPE_RGB);
@@ -203,8 +180,7 @@ static void test_png_transfer(void **state) {
 }
 
 /* cHRM: Rec. 709's leave things alone, others are converted, behind sRGB they mean nothing. */
-static void test_png_primaries(void **state) {
-    (void)state;
+TEST(test_png_primaries) {
     static const uint32_t same[8] = {31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000};
     static const uint32_t wide[8] = {31270, 32900, 68000, 32000, 26500, 69000, 15000, 6000};
     for (int k = 0; k < 3; k++) {
@@ -292,8 +268,7 @@ static void expect_profile(const enc_image *image, size_t k) {
 }
 
 /* By its description, not by what the chunk calls it; a profile that cannot be inflated by that name. */
-static void test_png_profile(void **state) {
-    (void)state;
+TEST(test_png_profile) {
     for (size_t k = 0; k < 2 * sizeof profiles / sizeof *profiles; k++) {
         unsigned char profile[400], chunk[600] = "icc\0";
         const size_t size = make_profile(profile, profiles[k / 2].name, k % 2);
@@ -351,8 +326,7 @@ static bool is_taken_as_srgb(const unsigned char *curve, size_t curve_size, cons
 }
 
 /* A profile that is called sRGB and has other curves or primaries is told of. */
-static void test_profile_contents(void **state) {
-    (void)state;
+TEST(test_profile_contents) {
     static const unsigned char linear_curve[12] = "curv", gamma22[14] = "curv\0\0\0\0\0\0\0\1\2\63";
     static unsigned char table[12 + 2 * 1024] = "curv";
     put32(table + 8, 1024);
@@ -385,8 +359,7 @@ static void test_profile_contents(void **state) {
 }
 
 /* An EXIF orientation behind the pixels counts; a colour space in it as well. */
-static void test_png_exif_behind(void **state) {
-    (void)state;
+TEST(test_png_exif_behind) {
     static const unsigned char turned[] = {'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 1, 0x12, 0,
                                            3,   0,   0, 0,  1, 0, 6, 0, 0, 0, 0, 0,    0};
     for (int behind = 0; behind < 2; behind++) {
@@ -403,8 +376,7 @@ static const unsigned char turned_long[] = {'I', 'I', 42, 0, 8, 0, 0, 0, 1, 0, 0
 
 /* Where else programs keep an orientation in a PNG: texts of ImageMagick and ExifTool, a prefix of JPEG's, the
  * type LONG; XMP is told of alone. */
-static void test_png_exif_elsewhere(void **state) {
-    (void)state;
+TEST(test_png_exif_elsewhere) {
     static const char xmp[] = "XML:com.adobe.xmp\0\0\0\0\0<rdf:Description tiff:Orientation=\"8\"/>";
     unsigned char block[6 + sizeof turned_long] = "Exif\0\0", text[300], packed[400];
     memcpy(block + 6, turned_long, sizeof turned_long);
@@ -444,8 +416,7 @@ static void test_png_exif_elsewhere(void **state) {
 }
 
 /* A profile among the texts counts where no chunk says anything. */
-static void test_png_profile_in_text(void **state) {
-    (void)state;
+TEST(test_png_profile_in_text) {
     unsigned char profile[400], text[1200] = "Raw profile type icc";
     const size_t profile_size = make_profile(profile, "Adobe RGB (1998)", false);
     size_t size = strlen((char *)text) + 1;
@@ -466,8 +437,7 @@ static void test_png_profile_in_text(void **state) {
     }
 }
 
-static void test_png_alpha(void **state) {
-    (void)state;
+TEST(test_png_alpha) {
     bytes b = plain_png(8, PNG_COLOR_TYPE_RGB_ALPHA);
     enc_image image = decode_good(&b);
     assert_int_equal(image.channels, 3);
@@ -488,8 +458,8 @@ static bytes plain_jpeg(void) {
     for (int i = 0; i < W * H * 3; i++) {
         rgb[i] = (unsigned char)(i * 2);
     }
-    assert_int_equal(jpeg_image_write(file, W, H, rgb, 90, (btf_log){0}), BTF_OK);
-    void *data = read_whole_file(file, &b.size);
+    assert_int_equal(jpeg_image_write(temporary_file, W, H, rgb, 90, (btf_log){0}), BTF_OK);
+    void *data = read_whole_file(temporary_file, &b.size);
     assert_true(b.size < sizeof b.data);
     memcpy(b.data, data, b.size);
     free(data);
@@ -506,8 +476,7 @@ static void add_marker(bytes *b, int marker, const void *data, size_t size) {
     b->size += 4 + size;
 }
 
-static void test_jpeg_profile(void **state) {
-    (void)state;
+TEST(test_jpeg_profile) {
     for (size_t k = 0; k < 2 * sizeof profiles / sizeof *profiles; k++) {
         unsigned char marker[14 + 400] = "ICC_PROFILE\0\1\1";
         const size_t size = make_profile(marker + 14, profiles[k / 2].name, k % 2);
@@ -532,8 +501,7 @@ static void test_jpeg_profile(void **state) {
 }
 
 /* An orientation of the type LONG turns; XMP's is told of alone. */
-static void test_jpeg_orientation(void **state) {
-    (void)state;
+TEST(test_jpeg_orientation) {
     static const char xmp[] = "http://ns.adobe.com/xap/1.0/\0<tiff:Orientation>3</tiff:Orientation>";
     unsigned char exif[6 + sizeof turned_long] = "Exif\0\0";
     memcpy(exif + 6, turned_long, sizeof turned_long);
@@ -549,8 +517,7 @@ static void test_jpeg_orientation(void **state) {
 
 /* A sequential file whose scan header has the spectral range of a progressive one: read whole, and told. A
  * code that is broken stays refused. */
-static void test_jpeg_lenient(void **state) {
-    (void)state;
+TEST(test_jpeg_lenient) {
     bytes b = plain_jpeg(), strict = b;
     size_t at = 2;
     while (b.data[at + 1] != 0xDA) {
@@ -588,8 +555,7 @@ static bytes hdr_of(const char *lines, const char *resolution) {
 }
 
 /* The eight orders: which of the stored pixels lies where. */
-static void test_hdr_orders(void **state) {
-    (void)state;
+TEST(test_hdr_orders) {
     static const char *const orders[8] = {"-Y 6 +X 8", "-Y 6 -X 8", "+Y 6 +X 8", "+Y 6 -X 8",
                                           "+X 8 -Y 6", "+X 8 +Y 6", "-X 8 -Y 6", "-X 8 +Y 6"};
     for (int k = 0; k < 8; k++) {
@@ -622,8 +588,7 @@ static void test_hdr_orders(void **state) {
 }
 
 /* Header lines of real writers. The values divide by `scale`. */
-static void test_hdr_headers(void **state) {
-    (void)state;
+TEST(test_hdr_headers) {
     char longest[600];
     memset(longest, 'x', sizeof longest);
     memcpy(longest, "VIEW= -vtl", 10);
@@ -681,15 +646,4 @@ static void test_hdr_headers(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_png_transfer),       cmocka_unit_test(test_png_primaries),
-        cmocka_unit_test(test_png_profile),        cmocka_unit_test(test_png_exif_behind),
-        cmocka_unit_test(test_png_alpha),          cmocka_unit_test(test_jpeg_profile),
-        cmocka_unit_test(test_jpeg_lenient),       cmocka_unit_test(test_hdr_orders),
-        cmocka_unit_test(test_hdr_headers),        cmocka_unit_test(test_profile_contents),
-        cmocka_unit_test(test_png_exif_elsewhere), cmocka_unit_test(test_png_profile_in_text),
-        cmocka_unit_test(test_jpeg_orientation),
-    };
-    return cmocka_run_group_tests(tests, make_file, remove_file);
-}
+RUN_TESTS(make_temporary_file, remove_temporary_file)
