@@ -207,8 +207,7 @@ TEST(frees_what_it_made) {
     btf_gl *gl;
     assert_int_equal(btf_gl_upload(tight, &faked, &log_keep, &gl), BTF_OK);
     assert_int_equal(fake.live, 10); /* all but `maps` */
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(tight, &info);
+    btf_material_info info = accepted_info(tight);
     assert_int_equal(btf_gl_bytes(gl), info.gpu_bytes + info.table_bytes);
     GLuint name = btf_gl_texture(gl, BTF_TEXTURE_SHADOW);
     assert_true(api->IsTexture(name));
@@ -226,8 +225,7 @@ TEST(uploads_what_a_variant_reads) {
                                  .leave_out = BTF_EFFECT_SHADOW | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN,
                                  .components = 4};
     btf_gl_options options = gpu_gl_options(device, &shader);
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(tight, &info);
+    btf_material_info info = accepted_info(tight);
     btf_gl *gl;
     assert_int_equal(btf_gl_upload(tight, &options, &log_keep, &gl), BTF_OK);
     /* The shift needs to know which points are hidden. */
@@ -290,8 +288,7 @@ TEST(uploads_the_first_units) {
                            .classes = {{2, 3, 2}, {1, 1, 1}, {3, 0, 0}, {1, 2, 0}, {2, 0, 1}}};
     btf_material *material = NULL;
     assert_int_equal(synthetic_create(&spec, &log_keep, &material), BTF_OK);
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(material, &info);
+    btf_material_info info = accepted_info(material);
     memset(&fake, 0, sizeof fake);
     for (uint32_t units = 1; units <= UNITS; ++units) {
         const btf_shader_options shader = {.struct_size = sizeof shader, .components = units};

@@ -77,9 +77,7 @@ static void file_parameters(void) {
             }
             edit_free(file);
         }
-        char input[100];
-        snprintf(input, sizeof input, "parameter of a file: %s", bit_classes[k].name);
-        cases_add(input,
+        cases_add(cases_text("parameter of a file: %s", bit_classes[k].name),
                   bit_classes[k].legal ? "opens; radiance finite"
                                        : "refused, part, channel and texel named",
                   ok, "%d places, e.g. %s", places, example);
@@ -130,9 +128,7 @@ static void file_scales(void) {
             btf_material_close(&material);
         }
         edit_free(file);
-        char input[100];
-        snprintf(input, sizeof input, "every class of bits in %s", list[n].name);
-        cases_add(input,
+        cases_add(cases_text("every class of bits in %s", list[n].name),
                   many ? "refused by name, or 0 or of magnitude 2^-24 to 2^24"
                   : list[n].number == FROM_ONE
                       ? "refused by name, or 1 to 2^24"
@@ -335,9 +331,8 @@ static void weights(void) {
                 }
             }
         }
-        char input[60];
-        snprintf(input, sizeof input, "weights of %s", lists[k].name);
-        cases_add(input, "sum to 4096 of 4096 exactly, all neighbours exist", ok, "%d look-ups", n);
+        cases_add(cases_text("weights of %s", lists[k].name),
+                  "sum to 4096 of 4096 exactly, all neighbours exist", ok, "%d look-ups", n);
         btf_material_close(&material);
     }
 }

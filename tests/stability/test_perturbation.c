@@ -62,9 +62,8 @@ static void check(const char *name, const enc_data *data) {
             }
             enc_data_destroy(&other);
         }
-        char input[120];
-        snprintf(input, sizeof input, "%s, by method %s", name, encode_names[method]);
-        cases_add(input, "error at most that without noise plus 1/512", ok,
+        cases_add(cases_text("%s, by method %s", name, encode_names[method]),
+                  "error at most that without noise plus 1/512", ok,
                   "%.2f dB without noise, %.2f dB with it, %.2f dB allowed", clean, worst,
                   -20 * log10(rms + sigma));
     }

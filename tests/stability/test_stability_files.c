@@ -184,10 +184,8 @@ static void expect_renamed_refused(const saved *s, const char *part, const char 
 }
 
 static void add_refused(const char *what, const saved *s, const char *expected) {
-    char input[160];
-    snprintf(input, sizeof input, "%s, %s", what, s->name);
-    cases_add(input, expected, asked > 0 && asked == refused, "%d of %d refused so%s", refused, asked,
-              complaint);
+    cases_add(cases_text("%s, %s", what, s->name), expected, asked > 0 && asked == refused,
+              "%d of %d refused so%s", refused, asked, complaint);
     asked = refused = 0;
     complaint[0] = 0;
 }
@@ -331,9 +329,8 @@ static void try_attributes(const saved *s) {
             counts[open_edited(file)]++;
         }
     }
-    char input[160];
-    snprintf(input, sizeof input, "each number of the header absurd or contradictory, %s", s->name);
-    cases_add(input, "refused with one message, or decodes to finite values",
+    cases_add(cases_text("each number of the header absurd or contradictory, %s", s->name),
+              "refused with one message, or decodes to finite values",
               counts[WRONG] == 0 && counts[REFUSED] > 100, "%zu refused, %zu opened, %zu otherwise",
               counts[REFUSED], counts[OPENED], counts[WRONG]);
 

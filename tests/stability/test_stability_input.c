@@ -175,7 +175,7 @@ static void check_refused(const char *input, pixel_fn pixel) {
     const btf_result result = enc_read(&context, temporary_folder, &(enc_read_options){0}, &data);
     const char *name = strstr(all_messages, "tv045_pv060_tl045_pl120.exr");
     char seen[200];
-    snprintf(seen, sizeof seen, "%s", name != NULL ? name : all_messages);
+    snprintf(seen, sizeof seen, "%.190s", name != NULL ? name : all_messages);
     seen[strcspn(seen, "\n")] = 0;
     cases_add(input, "refused, the image named",
               result == BTF_ERROR_BAD_FILE && name != NULL && data == NULL, "%s", seen);

@@ -209,10 +209,9 @@ static void dim_is_as_good(void) {
     const double bright = surface_psnr(0.6f);
     for (size_t i = 0; i < sizeof scales / sizeof *scales; i++) {
         const double dim = surface_psnr(scales[i]);
-        char input[120];
-        snprintf(input, sizeof input, "%s: a surface times %g, relative to its peak",
-                 encode_names[ENCODE_JOINT], (double)scales[i]);
-        cases_add(input, "within 1 dB of the surface times 0.6, or better", dim >= bright - 1,
+        cases_add(cases_text("%s: a surface times %g, relative to its peak", encode_names[ENCODE_JOINT],
+                             (double)scales[i]),
+                  "within 1 dB of the surface times 0.6, or better", dim >= bright - 1,
                   "%.1f dB, times 0.6 %.1f dB", dim, bright);
     }
 }

@@ -139,9 +139,8 @@ static void flow_pairs(void) {
         } else if (strcmp(all[i].expected, "finite") != 0) {
             ok = ok && p.error < 0.5 * p.zero;
         }
-        char input[96];
-        snprintf(input, sizeof input, "flow of a pair: %s", all[i].input);
-        cases_add(input, all[i].expected, ok, "%.2f texels off, %zu hidden", p.error, p.hidden);
+        cases_add(cases_text("flow of a pair: %s", all[i].input), all[i].expected, ok,
+                  "%.2f texels off, %zu hidden", p.error, p.hidden);
     }
 }
 
@@ -204,9 +203,8 @@ static void flow_votes(void) {
             }
             enc_occlusion_destroy(&o);
         }
-        char input[96];
-        snprintf(input, sizeof input, "flow of 13 views: %s", all[i].input);
-        cases_add(input, "no shift, nothing hidden; the same with 1 and 2 threads",
+        cases_add(cases_text("flow of 13 views: %s", all[i].input),
+                  "no shift, nothing hidden; the same with 1 and 2 threads",
                   ok && moved == 0 && hidden == 0, "%zu moved, %zu hidden", moved, hidden);
         enc_data_destroy(&data);
     }
@@ -245,10 +243,9 @@ static void flow_noise(void) {
         enc_data *data = hard_create(8, 6, &d, &d, all[i].value, &one);
         bool ok;
         enc_occlusion *o = voted(data, false, &ok);
-        char input[96];
-        snprintf(input, sizeof input, "flow of 13 views: %s", all[i].input);
-        cases_add(input, "ratios of votes within 0 and 1, the same with 1 and 2 threads", ok,
-                  "%zu of %d hidden", o == NULL ? 0 : enc_occlusion_hidden_count(o, -1), 13 * 48);
+        cases_add(cases_text("flow of 13 views: %s", all[i].input),
+                  "ratios of votes within 0 and 1, the same with 1 and 2 threads", ok, "%zu of %d hidden",
+                  o == NULL ? 0 : enc_occlusion_hidden_count(o, -1), 13 * 48);
         enc_occlusion_destroy(&o);
         enc_data_destroy(&data);
     }
@@ -360,9 +357,7 @@ static void refine(void) {
         if (all[i].hide == hide_all || all[i].hide == hide_one_view) {
             ok = ok && freed == 0; /* no visible point, no threshold */
         }
-        char input[96];
-        snprintf(input, sizeof input, "search for hidden points: %s", all[i].input);
-        cases_add(input,
+        cases_add(cases_text("search for hidden points: %s", all[i].input),
                   all[i].hide == hide_all || all[i].hide == hide_one_view
                       ? "without a visible point all stay hidden; no shift worse than none"
                       : "finite thresholds, no shift worse than none",
@@ -495,9 +490,7 @@ static void clusters(void) {
                 enc_centres_destroy(&c[r]);
             }
         }
-        char input[96];
-        snprintf(input, sizeof input, "clusters: %s", all[i].input);
-        cases_add(input,
+        cases_add(cases_text("clusters: %s", all[i].input),
                   all[i].exact ? "as many centres as different points, exact but for codes"
                   : fewer      ? "the centres asked for, a storable scale, no worse than black"
                                : "the centres asked for, a storable scale, no worse than one centre a view",

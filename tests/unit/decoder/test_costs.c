@@ -166,8 +166,7 @@ TEST(plans_go_by_the_prices) {
                          floats = {.struct_size = sizeof floats, .real = 1};
     btf_scene scene = {
         .struct_size = sizeof scene, .light = {.fixed = 1, .direction = {0, 0, 1}}, .costs = &fetches};
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(material, &info);
+    btf_material_info info = accepted_info(material);
     btf_shader_options o = {.struct_size = sizeof o};
     const btf_decode_counts n = btf_count_decode(&info, &o);
     assert_true(n.fetches > 100 && btf_plan_cost(material, &o, &scene) == (float)n.fetches);

@@ -46,8 +46,7 @@ static int teardown(void **state) {
 static void use_material(const btf_material *material) {
     static const float directions[4][3] = {
         {0, 0, 1}, {0.6f, 0, 0.8f}, {-0.48f, 0.64f, 0.6f}, {0.1f, -0.99f, 0.1f}};
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(material, &info);
+    btf_material_info info = accepted_info(material);
     btf_ref_material first, last;
     reference_view(material, 0, &first);
     reference_view(material, info.levels - 1, &last);

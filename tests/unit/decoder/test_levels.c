@@ -71,8 +71,7 @@ TEST(test_info) {
     random_state r = {41};
     btf_material_desc desc = make_desc(&r, 5, 3, 3, BTF_EFFECT_VERSION_1);
     btf_material *m = create_accepted(&desc);
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(m, &info);
+    btf_material_info info = accepted_info(m);
     assert_int_equal(info.levels, 3);
     /* 64 of the SBRDF, 7 of shadows, 18 + 9 of shifts and gains, 8 of the residual, for 15 + 2 + 1 texels;
      * then 7 centres of 7 lights and 6 layers of 9 x 7 directions. */

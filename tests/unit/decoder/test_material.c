@@ -275,8 +275,7 @@ TEST(test_info) {
     btf_material_desc desc = random_material_desc(4, 4, 3, 5, BTF_LAYOUT_TIGHT, BTF_EFFECT_VERSION_1);
     random_material_fill(&r, &desc);
     btf_material *a = create_accepted(&desc);
-    btf_material_info info = {.struct_size = sizeof info};
-    assert_int_equal(btf_material_get_info(a, &info), BTF_OK);
+    btf_material_info info = accepted_info(a);
     /* 4 RGBA32F; 5 shadow maps; 3 x (gain 1, shift 2); 7 centres of 5 lights; U in 2 layers; V in 6 */
     assert_int_equal(info.gpu_bytes, 16 * 64 + 16 * 5 + 16 * 3 * 3 + 7 * 5 * 4 + 16 * 2 * 4 + 15 * 6 * 4);
     assert_int_equal(info.table_bytes, btf_material_texture(a, BTF_TEXTURE_VIEW_TABLE).size +

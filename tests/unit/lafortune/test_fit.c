@@ -12,6 +12,7 @@
 #include "tests/support/test.h"
 
 #include <float.h>
+#include <openbtf/reference.h>
 
 enum { PADDED = (PAIRS + 255) / 256 * 256 };
 
@@ -101,51 +102,7 @@ static const float three_rgb[24] = {0.3f,  0.2f, 0.1f, 0.4f, 0.4f, 0.5f,  0.1f, 
                                     0.05f, 0.2f, 0.1f, 0.1f, -1,   -1,    1,    20,
                                     1,     0,    1,    3,    0,    -0.8f, 1,    5};
 
-static float float_of(uint32_t bits) {
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
-/* pow(b, n) as FORMAT.md section 8 writes it, one number at a time. */
-static float format_pow(float b, float n) {
-    static const uint32_t l[8] = {0x3FB8AA39, 0xBF38AAD4, 0x3EF63D91, 0xBEB85F87,
-                                  0x3E92CDF0, 0xBE7FEC0F, 0x3E726D64, 0xBE157E27};
-    static const uint32_t e[6] = {0x3F317218, 0x3E75FDF0, 0x3D63576E, 0x3C1D94D9, 0x3AAFA1B1, 0x392245AA};
-    if (b < 0x1p-24f) {
-        return 0;
-    }
-    uint32_t bits;
-    memcpy(&bits, &b, sizeof bits);
-    const int32_t i = (int32_t)(bits - 0x3F3504F3u);
-    const float f = float_of((uint32_t)(i & 0x7FFFFF) + 0x3F3504F3u) - 1.0f;
-    volatile float p = float_of(l[7]);
-    for (int k = 6; k >= 0; k--) {
-        p = p * f;
-        p = p + float_of(l[k]);
-    }
-    p = f * p;
-    volatile float t = (float)(i >> 23) + p;
-    t = n * t;
-    if (t < -60) {
-        return 0;
-    }
-    t = t > 40 ? 40 : t;
-    volatile float half = t + 0.5f;
-    const float whole = floorf(half);
-    volatile float g = t - whole;
-    p = float_of(e[5]);
-    for (int k = 4; k >= 0; k--) {
-        p = p * g;
-        p = p + float_of(e[k]);
-    }
-    p = g * p;
-    p = p + 1.0f;
-    const float r = p;
-    memcpy(&bits, &r, sizeof bits);
-    return float_of(bits + ((uint32_t)(int32_t)whole << 23));
-}
-
+/* As FORMAT.md section 8 writes it, which the reference decoder does one number at a time. */
 TEST(test_pow_bits) {
     fit_random_state = 3;
     for (int round = 0; round < 60000; round++) {
@@ -160,7 +117,7 @@ TEST(test_pow_bits) {
         enc_v16_pow(&b, n, &result);
         memcpy(power, &result, sizeof power);
         for (int i = 0; i < ENC_LANES; i++) {
-            const float want = format_pow(base[i], n);
+            const float want = btf_ref_pow(base[i], n);
             assert_memory_equal(&power[i], &want, sizeof want);
         }
     }
