@@ -142,18 +142,23 @@ TEST(test_rays) {
     mesh_destroy(&m);
 }
 
+/* Seen from above in size x size samples, a material repeated so often. */
+static table_scene scene_of(mesh *m, bvh *b, int size, double columns, double rows) {
+    return (table_scene){.mesh = m,
+                         .bvh = b,
+                         .camera = {0, 0, 0, 1},
+                         .repeat = {columns, rows},
+                         .width = size,
+                         .height = size,
+                         .threads = 2};
+}
+
 /* A plane seen straight on: every sample sits at its texel, lit as angles say. */
 TEST(test_plane_table) {
     enum { SIZE = 8 };
     mesh *m = make("plane");
     bvh *b = bvh_create(m);
-    table_scene scene = {.mesh = m,
-                         .bvh = b,
-                         .camera = {0, 0, 0, 1},
-                         .repeat = {2, 3},
-                         .width = SIZE,
-                         .height = SIZE,
-                         .threads = 2};
+    table_scene scene = scene_of(m, b, SIZE, 2, 3);
     table_sample samples[SIZE * SIZE], again[SIZE];
     float inputs[TABLE_INPUTS * SIZE * SIZE], weights[3 * SIZE * SIZE];
     table_cast(&scene, 0, SIZE, samples);
@@ -191,16 +196,10 @@ TEST(test_levels) {
     enum { SIZE = 8 };
     mesh *m = make("plane");
     bvh *b = bvh_create(m);
-    table_scene scene = {.mesh = m,
-                         .bvh = b,
-                         .camera = {0, 0, 0, 1},
-                         .repeat = {2, 3},
-                         .width = SIZE,
-                         .height = SIZE,
-                         .texels = {64, 32},
-                         .levels = 7,
-                         .level = -1,
-                         .threads = 2};
+    table_scene scene = scene_of(m, b, SIZE, 2, 3);
+    scene.texels[0] = 64, scene.texels[1] = 32;
+    scene.levels = 7;
+    scene.level = -1;
     table_sample samples[SIZE * SIZE];
     for (int turn = 0; turn < 3; turn++) {
         scene.camera.theta = turn < 2 ? 0 : 180;
@@ -247,14 +246,9 @@ TEST(test_cast_shadows) {
     for (int k = 1; k < 3; k++) {
         mesh *m = make(names[k]);
         bvh *b = bvh_create(m);
-        table_scene scene = {.mesh = m,
-                             .bvh = b,
-                             .camera = {0, 0, 30, 0.9},
-                             .repeat = {1, 1},
-                             .width = SIZE,
-                             .height = SIZE,
-                             .cast_shadows = true,
-                             .threads = 2};
+        table_scene scene = scene_of(m, b, SIZE, 1, 1);
+        scene.camera = (camera){0, 0, 30, 0.9};
+        scene.cast_shadows = true;
         light l = {false, vec_from_angles(70, 0), {1, 1, 1}};
         int lit = 0, dark = 0, misses = 0;
         table_cast(&scene, 0, SIZE, samples);

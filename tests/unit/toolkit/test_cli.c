@@ -25,39 +25,27 @@ static const char *parse_vowel(const char *text, void *value) {
     return NULL;
 }
 
+/* clang-format off */
 static const cli_option table[] = {
     {.short_name = 'f', .name = "flag", .type = CLI_FLAG, .value = &values.flag, .help = "a flag"},
-    {.short_name = 't',
-     .name = "text",
-     .type = CLI_STRING,
-     .value = &values.text,
-     .given = &values.given,
+    {.short_name = 't', .name = "text", .type = CLI_STRING, .value = &values.text, .given = &values.given,
      .help = "text"},
-    {.short_name = 'n',
-     .name = "number",
-     .type = CLI_INT,
-     .value = &values.number,
-     .minimum = -3,
-     .maximum = 9,
-     .help = "number"},
+    {.short_name = 'n', .name = "number", .type = CLI_INT, .value = &values.number, .minimum = -3,
+     .maximum = 9, .help = "number"},
     {.name = "real", .type = CLI_DOUBLE, .value = &values.real, .help = "real"},
-    {.name = "choice",
-     .type = CLI_CHOICE,
-     .choices = "fast|medium",
-     .value = &values.choice,
+    {.name = "choice", .type = CLI_CHOICE, .choices = "fast|medium", .value = &values.choice,
      .help = "choice"},
     {.name = "size", .type = CLI_SIZE, .value = values.size, .help = "size"},
     {.name = "bytes", .type = CLI_BYTES, .value = &values.bytes, .help = "bytes"},
     {.name = "angles", .type = CLI_ANGLES, .value = values.angles, .help = "angles"},
     {.name = "effects", .type = CLI_EFFECTS, .value = &values.effects, .help = "effects"},
-    {.name = "auto-effects",
-     .type = CLI_EFFECTS,
-     .choices = "auto",
-     .value = &values.auto_effects,
+    {.name = "auto-effects", .type = CLI_EFFECTS, .choices = "auto", .value = &values.auto_effects,
      .help = "effects"},
-    {.name = "custom", .type = CLI_CUSTOM, .parse = parse_vowel, .value = &values.custom, .help = "custom"},
+    {.name = "custom", .type = CLI_CUSTOM, .parse = parse_vowel, .value = &values.custom,
+     .help = "custom"},
     {.type = CLI_END},
 };
+/* clang-format on */
 
 static const cli_program program = {
     .name = "btf-test",
