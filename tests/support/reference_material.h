@@ -431,4 +431,23 @@ static inline void make_relief(uint32_t seed, int extreme, made_relief *r, btf_r
     make_table(&views, MADE_GRID, r->view_table);
 }
 
+/** A made-up material of any kind with relief and gloss, and what it points to. */
+typedef struct made_all {
+    btf_ref_material m;
+    made_storage storage;
+    made_factors factors;
+    made_relief relief;
+} made_all;
+
+static inline void make_all(uint32_t seed, int extreme, made_all *out) {
+    make_material(seed, seed | 1, seed % 3 ? 31 : seed / 3 % 32, extreme, &out->storage, &out->m);
+    if (seed % 2) {
+        make_factors(seed, extreme, &out->factors, &out->m);
+    }
+    if (seed % 7 == 3) {
+        make_points(seed, extreme, &out->storage, &out->m);
+    }
+    make_relief(seed, extreme, &out->relief, &out->m);
+}
+
 #endif

@@ -6,15 +6,11 @@
 #include "encoder/report/metrics.h"
 #include "tests/bench/codecs/lowbit.h"
 #include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 enum { SIDE = 16, VIEWS = 13, LIGHTS = 13, TEXELS = SIDE * SIDE, COLUMNS = VIEWS * LIGHTS, TERMS = 40 };
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
-
-static float uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (float)(*state >> 8) * 0x1p-24f;
-}
 
 static enc_data *empty(void) {
     enc_direction directions[VIEWS];

@@ -6,6 +6,7 @@
 #include "encoder/report/metrics.h"
 #include "tests/bench/codecs/pca.h"
 #include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 enum {
     SIDE = 12,
@@ -17,11 +18,6 @@ enum {
 };
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
-
-static float uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (float)(*state >> 8) * 0x1p-24f;
-}
 
 static enc_data *empty(void) {
     enc_direction views[VIEWS], lights[LIGHTS];

@@ -9,15 +9,11 @@
 #include "encoder/factor/round.h"
 #include "encoder/math/symmetric.h"
 #include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
 enum { SIDE = 20, VIEWS = 14, LIGHTS = 15, WEAK = 40, SWEEPS = 2 };
-
-static float uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (float)(*state >> 8) * 0x1p-24f;
-}
 
 /* Grey data: one strong component and WEAK others of amplitude `weak`, more than 16 codes of 8 bits hold. */
 static enc_data *make(const enc_context *context, float weak) {

@@ -6,6 +6,7 @@
 #include "encoder/factor/factor.h"
 #include "encoder/factor/pack.h"
 #include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
@@ -113,11 +114,6 @@ static double error_of(const enc_data *data, const enc_factors *f, int n_units) 
 
 /* Data.
  * ------------------------------------------------------------------------------------------------ */
-
-static float uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (float)(*state >> 8) * 0x1p-24f;
-}
 
 static enc_data *empty(const enc_context *context, int width, int height, int views, int lights) {
     enc_direction directions[64];

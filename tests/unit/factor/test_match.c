@@ -14,15 +14,11 @@
 #include "encoder/factor/method.h"
 #include "encoder/model/pack.h"
 #include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
 enum { SIDE = 24, TEXELS = SIDE * SIDE, VIEWS = 13, LIGHTS = 25, COLUMNS = VIEWS * LIGHTS, TERMS = 6 };
-
-static float uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (float)(*state >> 8) * 0x1p-24f;
-}
 
 /* Samples of few components, of which every point has a source and a gain of its own. */
 typedef struct planted {

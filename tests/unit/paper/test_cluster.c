@@ -7,15 +7,12 @@
 #include "encoder/paper/cluster_split.h"
 #include "encoder/math/simd.h"
 #include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 static const enc_context context = {.threads = 2};
 static const enc_context one_thread = {.threads = 1};
 
 static uint32_t random_state;
-static float uniform(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return (float)(random_state >> 8) * 0x1p-24f;
-}
 
 TEST(test_shares_by_largest_remainder) {
     /* quotas of 10 among 47, 16, 158, 81 and 0: 1.556, 0.530, 5.232, 2.682: the second is raised to 1 */
@@ -55,18 +52,21 @@ TEST(test_shares_always_add_up) {
     random_state = 3;
     for (int round = 0; round < 3000; round++) {
         size_t hidden[256], distinct[256], shares[256], all = 0, active = 0, points = 0;
-        const int n = 1 + (int)(uniform() * 20) * (round % 2 ? 1 : 12);
+        const int n = 1 + (int)(uniform(&random_state) * 20) * (round % 2 ? 1 : 12);
         for (int v = 0; v < n; v++) {
-            hidden[v] = uniform() < 0.3f ? 0 : 1 + (size_t)(uniform() * uniform() * 5000);
-            distinct[v] = hidden[v] == 0 ? 0 : 1 + (size_t)(uniform() * (float)(hidden[v] - 1));
-            if (uniform() < 0.5f) {
+            hidden[v] = uniform(&random_state) < 0.3f
+                            ? 0
+                            : 1 + (size_t)(uniform(&random_state) * uniform(&random_state) * 5000);
+            distinct[v] =
+                hidden[v] == 0 ? 0 : 1 + (size_t)(uniform(&random_state) * (float)(hidden[v] - 1));
+            if (uniform(&random_state) < 0.5f) {
                 distinct[v] = hidden[v];
             }
             all += distinct[v];
             points += hidden[v];
             active += hidden[v] > 0;
         }
-        const size_t k = (size_t)(uniform() * 1.2f * (float)all);
+        const size_t k = (size_t)(uniform(&random_state) * 1.2f * (float)all);
         enc_cluster_shares(n, hidden, distinct, k, shares);
         size_t sum = 0;
         bool bound = false;
@@ -138,14 +138,15 @@ TEST(test_separable_clusters) {
         for (size_t i = 0; i < 2; i++) {
             for (size_t j = 0; j < 4; j++) {
                 for (size_t k = 0; k < PROFILE; k++) {
-                    prototype[i][j][k] = 0.1f + 3 * uniform();
+                    prototype[i][j][k] = 0.1f + 3 * uniform(&random_state);
                 }
             }
         }
         for (size_t t = 0; t < 120; t++) {
             for (size_t v = 1; v < VIEWS; v++) {
                 for (size_t k = 0; k < PROFILE; k++) {
-                    profile_of(data, t, (int)v)[k] = prototype[v - 1][t % 4][k] + 0.01f * uniform();
+                    profile_of(data, t, (int)v)[k] =
+                        prototype[v - 1][t % 4][k] + 0.01f * uniform(&random_state);
                 }
             }
         }
@@ -186,7 +187,7 @@ TEST(test_split) {
     random_state = 5;
     for (size_t i = 0; i < ROWS; i++) {
         for (size_t d = 0; d < 9; d++) {
-            rows[i][d] = uniform() + (d == 6 && i % 2 ? 4.0f : 0.0f);
+            rows[i][d] = uniform(&random_state) + (d == 6 && i % 2 ? 4.0f : 0.0f);
         }
     }
     assert_int_equal(enc_cluster_split(ROWS, STRIDE, rows[0], MOST, order, first, &parts), BTF_OK);
@@ -213,13 +214,14 @@ TEST(test_parts_of_a_view) {
     float prototype[2][2][PROFILE];
     for (size_t i = 0; i < 4; i++) {
         for (size_t k = 0; k < PROFILE; k++) {
-            prototype[i / 2][i % 2][k] = 0.1f + 3 * uniform();
+            prototype[i / 2][i % 2][k] = 0.1f + 3 * uniform(&random_state);
         }
     }
     for (size_t t = 0; t < TEXELS; t++) {
         for (size_t v = 1; v < VIEWS; v++) {
             for (size_t k = 0; k < PROFILE; k++) {
-                profile_of(data, t, (int)v)[k] = prototype[v - 1][t % 2][k] + 0.01f * uniform();
+                profile_of(data, t, (int)v)[k] =
+                    prototype[v - 1][t % 2][k] + 0.01f * uniform(&random_state);
             }
         }
     }
@@ -239,7 +241,7 @@ TEST(test_more_centres_than_points) {
     for (size_t t = 0; t < 10; t++) { /* view 1: 3 different points among 10; view 2: all different */
         for (size_t k = 0; k < PROFILE; k++) {
             profile_of(data, t, 1)[k] = (float)((t % 3) * 7 + k) / 40;
-            profile_of(data, t, 2)[k] = uniform();
+            profile_of(data, t, 2)[k] = uniform(&random_state);
         }
     }
     profile_of(data, 0, 1)[0] = -0.0f; /* the same point as +0 */
@@ -307,7 +309,7 @@ TEST(test_same_result_everywhere) {
         float samples[VIEWS * PROFILE];
         for (size_t t = 0; t < 256; t++) {
             for (size_t i = 0; i < VIEWS * PROFILE; i++) {
-                samples[i] = uniform() * uniform();
+                samples[i] = uniform(&random_state) * uniform(&random_state);
             }
             assert_int_equal(enc_data_store_texels(with, data, t, 1, samples), BTF_OK);
         }
@@ -370,10 +372,10 @@ TEST(test_nearest_against_brute_force) {
     static uint32_t index[N];
     random_state = 21;
     for (int i = 0; i < N * STRIDE; i++) {
-        points[i] = uniform() * (float)(1 + i / STRIDE % 5);
+        points[i] = uniform(&random_state) * (float)(1 + i / STRIDE % 5);
     }
     for (int i = 0; i < K * STRIDE; i++) {
-        centres[i] = uniform() * (float)(1 + i / STRIDE % 5);
+        centres[i] = uniform(&random_state) * (float)(1 + i / STRIDE % 5);
     }
     memcpy(centres + 7 * STRIDE, centres + 3 * STRIDE,
            STRIDE * sizeof *centres); /* equals: the lower one */

@@ -7,15 +7,12 @@
 #include "encoder/paper/refine.h"
 #include "encoder/math/simd.h"
 #include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 static const enc_context context = {.threads = 2};
 static const enc_context one_thread = {.threads = 1};
 
 static uint32_t random_state;
-static float uniform(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return (float)(random_state >> 8) * 0x1p-24f;
-}
 
 /* A BTF of noise, a model of noise, shadows of noise. */
 typedef struct scene {
@@ -44,9 +41,9 @@ static scene make_scene(const enc_context *with, int width, int height, int n_vi
     const size_t profile = 3 * (size_t)n_lights;
     for (size_t i = 0; i < texels * stride;
          i += profile) { /* one profile in three is too bright to match */
-        const float scale = uniform() < 0.33f ? 2.5f : 1;
+        const float scale = uniform(&random_state) < 0.33f ? 2.5f : 1;
         for (size_t k = 0; k < profile; k++) {
-            samples[i + k] = scale * uniform();
+            samples[i + k] = scale * uniform(&random_state);
         }
     }
     assert_int_equal(enc_data_store_texels(with, s.data, 0, texels, samples), BTF_OK);
@@ -56,20 +53,20 @@ static scene make_scene(const enc_context *with, int width, int height, int n_vi
         float *p = s.sbrdf->values + t * enc_sbrdf_stride(1, false);
         p[0] = 1;
         for (int k = 1; k < 4; k++) {
-            p[k] = 0.25f + 0.75f * uniform();
+            p[k] = 0.25f + 0.75f * uniform(&random_state);
         }
         p[4] = p[5] = -1;
         p[6] = 1;
-        p[7] = 1 + 4 * uniform();
+        p[7] = 1 + 4 * uniform(&random_state);
     }
     for (size_t i = 0; i < texels * (size_t)n_lights; i++) {
-        s.shadow[i] = (uint8_t)(uniform() * 256);
+        s.shadow[i] = (uint8_t)(uniform(&random_state) * 256);
     }
     assert_int_equal(enc_occlusion_create(n_views, texels, &s.occlusion), BTF_OK);
     for (size_t i = 0; i < (size_t)n_views * texels; i++) {
-        s.occlusion->hidden[i] = i >= texels && uniform() < 0.6f;
-        s.occlusion->shift[2 * i] = (int8_t)(uniform() * 5 - 2);
-        s.occlusion->shift[2 * i + 1] = (int8_t)(uniform() * 5 - 2);
+        s.occlusion->hidden[i] = i >= texels && uniform(&random_state) < 0.6f;
+        s.occlusion->shift[2 * i] = (int8_t)(uniform(&random_state) * 5 - 2);
+        s.occlusion->shift[2 * i + 1] = (int8_t)(uniform(&random_state) * 5 - 2);
     }
     return s;
 }
@@ -186,8 +183,9 @@ TEST(test_known_points_are_elevated) {
         const size_t source = enc_occlusion_source(WIDTH, HEIGHT, t, known ? 4 : 0, known ? -3 : 0);
         for (int l = 0; l < LIGHTS; l++) {
             for (int c = 0; c < 3; c++) {
-                profile[c * LIGHTS + l] =
-                    strange ? 5 : (float)stvs(&s, source, view, l, c) + (known ? 0 : 0.02f * uniform());
+                profile[c * LIGHTS + l] = strange ? 5
+                                                  : (float)stvs(&s, source, view, l, c) +
+                                                        (known ? 0 : 0.02f * uniform(&random_state));
             }
         }
     }
@@ -316,8 +314,8 @@ TEST(test_norms) {
     static float a[3 * LANES], b[3 * LANES];
     float base = -1;
     for (int i = 0; i < 3 * LANES; i++) {
-        a[i] = uniform() * 3;
-        b[i] = uniform();
+        a[i] = uniform(&random_state) * 3;
+        b[i] = uniform(&random_state);
     }
     double sum = 0, first = 0;
     for (int i = 0; i < LANES; i++) {

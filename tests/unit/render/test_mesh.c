@@ -9,6 +9,7 @@
 #include "decoder/tools/render/table.h"
 #include "decoder/tools/mesh/tangents.h"
 #include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 static const char *const names[] = {"plane", "sphere", "torus", "drape"};
 
@@ -99,11 +100,6 @@ TEST(test_handedness) {
     mesh_destroy(&m);
 }
 
-static double random_number(uint32_t *seed) {
-    *seed = *seed * 1664525u + 1013904223u;
-    return (double)(*seed >> 8) / (1 << 24);
-}
-
 /* The hierarchy finds what trying every triangle finds. */
 TEST(test_rays) {
     mesh *m = make("torus");
@@ -112,8 +108,8 @@ TEST(test_rays) {
     int hits = 0;
     assert_non_null(b);
     for (int i = 0; i < 300; i++) {
-        vec3 from = vec(4 * random_number(&seed) - 2, 4 * random_number(&seed) - 2, 3);
-        vec3 to = vec(2 * random_number(&seed) - 1, 2 * random_number(&seed) - 1, 0);
+        vec3 from = vec(4 * uniform(&seed) - 2, 4 * uniform(&seed) - 2, 3);
+        vec3 to = vec(2 * uniform(&seed) - 1, 2 * uniform(&seed) - 1, 0);
         vec3 d = vec_unit(vec_sub(to, from), vec(0, 0, 1));
         bvh_hit hit, best = {INFINITY, 0, 0, UINT32_MAX};
         for (uint32_t f = 0; f < m->triangle_count; f++) {
