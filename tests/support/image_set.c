@@ -4,17 +4,9 @@
  */
 #include "image_set.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/png_image.h"
+#include "test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 const double set_views[VIEWS][2] = {{0, 0}, {30, 0}, {30, 120}, {75, 240}};

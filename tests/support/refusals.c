@@ -4,13 +4,7 @@
  */
 #include "refusals.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "test.h"
 
 btf_material *create_accepted(const btf_material_desc *desc) {
     btf_material *material;

@@ -3,11 +3,8 @@
  * SPDX-License-Identifier: MIT
  */
 #include "factors.h"
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
 
-#include <cmocka.h>
+#include "tests/support/test.h"
 
 btf_material_desc make_desc(uint64_t seed, btf_layout layout, uint32_t effects) {
     random_state r = {seed};
