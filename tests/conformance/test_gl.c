@@ -28,6 +28,13 @@ static struct {
     int wrong_layers; /* so do arrays */
 } fake;
 
+static int as_it_is(void **state) {
+    (void)state;
+    memset(&fake, 0, sizeof fake);
+    return 0;
+}
+#define FAKE_TEST(name) TEST_WITH(name, as_it_is, NULL)
+
 static void APIENTRY fake_get_integer(GLenum name, GLint *value) {
     api->GetIntegerv(name, value);
     if (name == GL_MAX_TEXTURE_SIZE && fake.texture_size) {
@@ -78,27 +85,23 @@ static void APIENTRY fake_tex_image_3d(GLenum target, GLint level, GLint interna
 }
 
 static btf_gl_function fake_get_proc_address(void *user, const char *name) {
+    static const struct {
+        const char *name;
+        btf_gl_function function;
+    } ours[] = {{"glGetIntegerv", (btf_gl_function)fake_get_integer},
+                {"glGetString", (btf_gl_function)fake_get_string},
+                {"glGenTextures", (btf_gl_function)fake_gen_textures},
+                {"glTexImage2D", (btf_gl_function)fake_tex_image},
+                {"glTexImage3D", (btf_gl_function)fake_tex_image_3d},
+                {"glDeleteTextures", (btf_gl_function)fake_delete_textures}};
     (void)user;
     if (fake.missing && strcmp(name, fake.missing) == 0) {
         return NULL;
     }
-    if (strcmp(name, "glGetIntegerv") == 0) {
-        return (btf_gl_function)fake_get_integer;
-    }
-    if (strcmp(name, "glGetString") == 0) {
-        return (btf_gl_function)fake_get_string;
-    }
-    if (strcmp(name, "glGenTextures") == 0) {
-        return (btf_gl_function)fake_gen_textures;
-    }
-    if (strcmp(name, "glTexImage2D") == 0) {
-        return (btf_gl_function)fake_tex_image;
-    }
-    if (strcmp(name, "glTexImage3D") == 0) {
-        return (btf_gl_function)fake_tex_image_3d;
-    }
-    if (strcmp(name, "glDeleteTextures") == 0) {
-        return (btf_gl_function)fake_delete_textures;
+    for (size_t i = 0; i < sizeof ours / sizeof *ours; ++i) {
+        if (strcmp(name, ours[i].name) == 0) {
+            return ours[i].function;
+        }
     }
     return real(name);
 }
@@ -117,8 +120,7 @@ static void expect_refusal(const btf_material *material, btf_result result, cons
     }
 }
 
-TEST(limits_are_told_with_both_numbers) {
-    memset(&fake, 0, sizeof fake);
+FAKE_TEST(limits_are_told_with_both_numbers) {
     fake.texture_size = 16;
     expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "sbrdf: width 24 exceeds GL_MAX_TEXTURE_SIZE 16");
     fake.texture_size = 100;
@@ -126,11 +128,10 @@ TEST(limits_are_told_with_both_numbers) {
     fake.texture_size = 0;
     fake.layers = 12;
     expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "shadow: 13 layers exceed GL_MAX_ARRAY_TEXTURE_LAYERS 12");
-    memset(&fake, 0, sizeof fake);
 }
 
 /* The atlas is larger than the context allows: taken apart, it fits. */
-TEST(an_atlas_too_large_is_taken_apart) {
+FAKE_TEST(an_atlas_too_large_is_taken_apart) {
     int fits = -1;
     btf_material *whole = NULL, *apart = NULL;
     btf_gl *gl = NULL;
@@ -143,7 +144,6 @@ TEST(an_atlas_too_large_is_taken_apart) {
                                  .lobes = 1,
                                  .effects = 11};
     assert_int_equal(synthetic_create(&spec, &log_keep, &whole), BTF_OK);
-    memset(&fake, 0, sizeof fake);
     assert_true(btf_material_texture(whole, BTF_TEXTURE_MAPS).width >
                 256); /* which the direction tables need */
     assert_int_equal(btf_gl_fits(whole, &faked, &log_keep, &fits), BTF_OK);
@@ -158,11 +158,9 @@ TEST(an_atlas_too_large_is_taken_apart) {
     btf_gl_destroy(&gl);
     btf_material_close(&apart);
     btf_material_close(&whole);
-    memset(&fake, 0, sizeof fake);
 }
 
-TEST(old_and_partial_contexts_are_refused) {
-    memset(&fake, 0, sizeof fake);
+FAKE_TEST(old_and_partial_contexts_are_refused) {
     fake.missing = "glTexImage3D";
     expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "lacks the function glTexImage3D");
     fake.missing = NULL;
@@ -173,7 +171,6 @@ TEST(old_and_partial_contexts_are_refused) {
     fake.major = 3;
     fake.minor = 2;
     expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "but OpenGL 3.3 or later is needed");
-    memset(&fake, 0, sizeof fake);
     btf_gl *gl;
     btf_gl_options none = {.struct_size = sizeof none};
     assert_int_equal(btf_gl_upload(tight, &none, &log_keep, &gl), BTF_ERROR_USAGE);
@@ -181,8 +178,7 @@ TEST(old_and_partial_contexts_are_refused) {
 }
 
 /* Not an error of the device as a whole: a bit of its own. */
-TEST(wrong_mip_levels_are_told) {
-    memset(&fake, 0, sizeof fake);
+FAKE_TEST(wrong_mip_levels_are_told) {
     uint32_t failures;
     char names[200];
     assert_int_equal(btf_gl_self_test(&faked, &log_keep, &failures), BTF_OK);
@@ -199,11 +195,9 @@ TEST(wrong_mip_levels_are_told) {
     btf_self_test_names(failures, names, sizeof names);
     assert_string_equal(names, "levels, factors, lists");
     assert_int_equal(fake.live, 0);
-    memset(&fake, 0, sizeof fake);
 }
 
-TEST(frees_what_it_made) {
-    memset(&fake, 0, sizeof fake);
+FAKE_TEST(frees_what_it_made) {
     btf_gl *gl;
     assert_int_equal(btf_gl_upload(tight, &faked, &log_keep, &gl), BTF_OK);
     assert_int_equal(fake.live, 10); /* all but `maps` */
@@ -271,7 +265,7 @@ static GLint layers_on_device(const btf_gl *gl, btf_texture_id id, GLint level) 
 
 /* Units are whole layers, of classes 1 and 3 two of factor_texels, at every level; a context of few layers
  * holds so many of them. */
-TEST(uploads_the_first_units) {
+FAKE_TEST(uploads_the_first_units) {
     enum { UNITS = 9, WIDTH = 8, HEIGHT = 6, LEVELS = 3, VIEWS = 5, LIGHTS = 4 };
     static const GLint layers[UNITS + 1] = {0, 1, 2, 4, 5, 6, 7, 9, 10, 11};
     synthetic_spec spec = {.seed = 23,
@@ -289,7 +283,6 @@ TEST(uploads_the_first_units) {
     btf_material *material = NULL;
     assert_int_equal(synthetic_create(&spec, &log_keep, &material), BTF_OK);
     btf_material_info info = accepted_info(material);
-    memset(&fake, 0, sizeof fake);
     for (uint32_t units = 1; units <= UNITS; ++units) {
         const btf_shader_options shader = {.struct_size = sizeof shader, .components = units};
         btf_gl_options options = faked;
@@ -316,7 +309,6 @@ TEST(uploads_the_first_units) {
     fake.layers = 10;
     expect_refusal(material, BTF_ERROR_UNSUPPORTED,
                    "factor_texels: 11 layers exceed GL_MAX_ARRAY_TEXTURE_LAYERS 10");
-    memset(&fake, 0, sizeof fake);
     btf_material_close(&material);
 }
 

@@ -37,6 +37,7 @@ static test_list listed_tests, listed_numbers;
 static inline void test_add(test_list *list, int line, struct CMUnitTest test) {
     size_t at = list->count++;
     if (at == sizeof list->lines / sizeof *list->lines) {
+        fputs("tests/support/test.h: more tests in a file than the list holds\n", stderr);
         abort();
     }
     for (; at > 0 && list->lines[at - 1] > line; at--) {
@@ -70,14 +71,15 @@ static inline bool light_run(void) {
 static inline int run_listed(const char *name, CMFixtureFunction set_up, CMFixtureFunction tear_down) {
     int failed = _cmocka_run_group_tests(name, listed_tests.tests, listed_tests.count, set_up, tear_down);
     if (listed_numbers.count && !light_run()) {
-        failed += _cmocka_run_group_tests("numbers", listed_numbers.tests, listed_numbers.count, NULL, NULL);
+        failed +=
+            _cmocka_run_group_tests("numbers", listed_numbers.tests, listed_numbers.count, NULL, NULL);
     }
     return failed;
 }
 
 #define RUN_TESTS(set_up, tear_down)                                                                       \
     int main(void) {                                                                                       \
-        return run_listed("tests", set_up, tear_down);                                                      \
+        return run_listed("tests", set_up, tear_down);                                                     \
     }
 
 #endif

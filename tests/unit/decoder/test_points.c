@@ -174,7 +174,6 @@ TEST(test_round_trip) {
     for (uint32_t i = 0; i < 3; i++) {
         btf_material_desc desc = make_desc(3 + i, more[i], 1 + i);
         btf_material *m = create_accepted(&desc), *opened = through_a_file(m);
-        assert_same_material(m, opened);
         assert_memory_equal(btf_material_texture(opened, BTF_TEXTURE_POINTS).data,
                             desc.texture[BTF_TEXTURE_POINTS], 2 * WIDTH * HEIGHT * VIEWS);
         btf_material_close(&m);
@@ -188,7 +187,6 @@ TEST(test_list_round_trip) {
         btf_material_desc desc =
             make_stored(40 + entries, entries & 1 ? BTF_EFFECT_RESIDUAL : 0, 1 + entries % 3, entries);
         btf_material *m = create_accepted(&desc), *opened = through_a_file(m);
-        assert_same_material(m, opened);
         assert_memory_equal(btf_material_texture(opened, BTF_TEXTURE_POINT_INDICES).data,
                             desc.texture[BTF_TEXTURE_POINT_INDICES], WIDTH * HEIGHT * (VIEWS + 1) / 2);
         btf_material_close(&m);
@@ -288,10 +286,7 @@ TEST(test_file_gains) {
         EDIT_REFUSED(take(&file), edit_find_attribute(e, names[i])->f = NAN, names[i] + strlen("openbtf."));
         edit_file *e = take(&file);
         edit_find_attribute(e, names[i])->f = -0.0f;
-        btf_material *m;
-        if (open_edited(e, &m)) {
-            fail_msg("%s", last_message);
-        }
+        btf_material *m = open_accepted(e);
         const btf_material_info info = accepted_info(m);
         assert_false(signbit(i ? info.gain_step : info.gain_base));
         btf_material_close(&m);
@@ -305,11 +300,9 @@ TEST(test_separate) {
     desc.info.domain = BTF_DOMAIN_SQRT;
     desc.info.blend = BTF_BLEND_ROOTS;
     random_material_fill(&r, &desc);
-    btf_material *m = create_accepted(&desc), *opened;
-    void *data;
-    size_t size;
-    assert_int_equal(btf_material_save_memory(m, NULL, &data, &size), BTF_OK);
-    edit_file *e = edit_load(data, size);
+    btf_material *m = create_accepted(&desc);
+    saved whole = save_material(m);
+    edit_file *e = take(&whole);
     for (int a = 0; a < e->attribute_count; a++) {
         assert_string_not_equal(e->attributes[a].name, "openbtf.pointStore");
         assert_string_not_equal(e->attributes[a].name, "openbtf.gainBase");
@@ -317,11 +310,9 @@ TEST(test_separate) {
     edit_attribute *store = &e->attributes[e->attribute_count++];
     *store =
         (edit_attribute){.name = "openbtf.pointStore", .type = EXR_ATTR_STRING, .text = strdup("separate")};
-    if (open_edited(e, &opened)) {
-        fail_msg("%s", last_message);
-    }
+    btf_material *opened = open_accepted(e);
     assert_same_material(m, opened);
-    btf_free(data);
+    btf_free(whole.data);
     btf_material_close(&m);
     btf_material_close(&opened);
     random_material_free(&desc);
@@ -360,7 +351,6 @@ TEST(test_restrict) {
         all_lit += lit;
         /* Decoded whole, it is what the plan says too. */
         btf_material *back = through_a_file(small);
-        assert_same_material(small, back);
         if (round % 4 == 2) {
             const btf_texture points = btf_material_texture(small, BTF_TEXTURE_POINTS);
             const uint8_t *bytes = points.data;
@@ -441,7 +431,6 @@ TEST(test_restrict_lists) {
         all_lit += lit;
         assert_decoded_whole(&r, whole, small, &plan);
         btf_material *back = through_a_file(small);
-        assert_same_material(small, back);
         btf_material_close(&back);
         btf_material_close(&small);
         btf_material_close(&whole);
