@@ -342,23 +342,16 @@ static float make_scale(random_state *r, const synthetic_spec *s, float plausibl
 /* Everything of the info that the spec says. Sizes of the atlas and the number of centres follow from it.
  */
 static btf_result make_info(random_state *r, const synthetic_spec *s, btf_material_info *info) {
-    *info = (btf_material_info){.struct_size = sizeof *info,
-                                .width = s->width,
-                                .height = s->height,
-                                .n_views = s->n_views,
-                                .n_lights = s->n_lights,
-                                .layout = s->layout,
-                                .domain = s->domain,
-                                .colour = s->colour,
-                                .half_float = s->half_float,
-                                .lobes = s->lobes,
-                                .effects = s->effects,
-                                .components = s->components,
-                                .radiance_scale = make_scale(r, s, 1.25f),
-                                .shadow_scale = make_scale(r, s, 2.0f / 255),
-                                .gain_scale = make_scale(r, s, BTF_GAIN_SCALE),
-                                .centre_scale = make_scale(r, s, 1.0f / 255),
-                                .method = "synthetic"};
+    /* clang-format off */
+    *info = (btf_material_info){
+        .struct_size = sizeof *info, .width = s->width, .height = s->height, .n_views = s->n_views,
+        .n_lights = s->n_lights, .layout = s->layout, .domain = s->domain, .colour = s->colour,
+        .half_float = s->half_float, .lobes = s->lobes, .effects = s->effects, .components = s->components,
+        .radiance_scale = make_scale(r, s, 1.25f), .shadow_scale = make_scale(r, s, 2.0f / 255),
+        .gain_scale = make_scale(r, s, BTF_GAIN_SCALE), .centre_scale = make_scale(r, s, 1.0f / 255),
+        .method = "synthetic",
+    };
+    /* clang-format on */
     for (int c = 0; c < BTF_FACTOR_CLASSES; ++c) {
         info->store = s->classes[c][0] ? BTF_STORE_FACTORS : info->store;
         memcpy(info->factor_classes[c], s->classes[c], sizeof info->factor_classes[c]);

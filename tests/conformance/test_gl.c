@@ -6,14 +6,8 @@
 #include "check.h"
 #include "decoder/toolkit/reference_view.h"
 #include "tests/support/refusals.h"
+#include "tests/support/test.h"
 #include "variant.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 static gpu *device;
 static const gl_api *api; /* of the device */
@@ -33,6 +27,13 @@ static struct {
     int wrong_levels; /* mip levels hold other texels than those given */
     int wrong_layers; /* so do arrays */
 } fake;
+
+static int as_it_is(void **state) {
+    (void)state;
+    memset(&fake, 0, sizeof fake);
+    return 0;
+}
+#define FAKE_TEST(name) TEST_WITH(name, as_it_is, NULL)
 
 static void APIENTRY fake_get_integer(GLenum name, GLint *value) {
     api->GetIntegerv(name, value);
@@ -84,27 +85,23 @@ static void APIENTRY fake_tex_image_3d(GLenum target, GLint level, GLint interna
 }
 
 static btf_gl_function fake_get_proc_address(void *user, const char *name) {
+    static const struct {
+        const char *name;
+        btf_gl_function function;
+    } ours[] = {{"glGetIntegerv", (btf_gl_function)fake_get_integer},
+                {"glGetString", (btf_gl_function)fake_get_string},
+                {"glGenTextures", (btf_gl_function)fake_gen_textures},
+                {"glTexImage2D", (btf_gl_function)fake_tex_image},
+                {"glTexImage3D", (btf_gl_function)fake_tex_image_3d},
+                {"glDeleteTextures", (btf_gl_function)fake_delete_textures}};
     (void)user;
     if (fake.missing && strcmp(name, fake.missing) == 0) {
         return NULL;
     }
-    if (strcmp(name, "glGetIntegerv") == 0) {
-        return (btf_gl_function)fake_get_integer;
-    }
-    if (strcmp(name, "glGetString") == 0) {
-        return (btf_gl_function)fake_get_string;
-    }
-    if (strcmp(name, "glGenTextures") == 0) {
-        return (btf_gl_function)fake_gen_textures;
-    }
-    if (strcmp(name, "glTexImage2D") == 0) {
-        return (btf_gl_function)fake_tex_image;
-    }
-    if (strcmp(name, "glTexImage3D") == 0) {
-        return (btf_gl_function)fake_tex_image_3d;
-    }
-    if (strcmp(name, "glDeleteTextures") == 0) {
-        return (btf_gl_function)fake_delete_textures;
+    for (size_t i = 0; i < sizeof ours / sizeof *ours; ++i) {
+        if (strcmp(name, ours[i].name) == 0) {
+            return ours[i].function;
+        }
     }
     return real(name);
 }
@@ -123,9 +120,7 @@ static void expect_refusal(const btf_material *material, btf_result result, cons
     }
 }
 
-static void limits_are_told_with_both_numbers(void **state) {
-    (void)state;
-    memset(&fake, 0, sizeof fake);
+FAKE_TEST(limits_are_told_with_both_numbers) {
     fake.texture_size = 16;
     expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "sbrdf: width 24 exceeds GL_MAX_TEXTURE_SIZE 16");
     fake.texture_size = 100;
@@ -133,12 +128,10 @@ static void limits_are_told_with_both_numbers(void **state) {
     fake.texture_size = 0;
     fake.layers = 12;
     expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "shadow: 13 layers exceed GL_MAX_ARRAY_TEXTURE_LAYERS 12");
-    memset(&fake, 0, sizeof fake);
 }
 
 /* The atlas is larger than the context allows: taken apart, it fits. */
-static void an_atlas_too_large_is_taken_apart(void **state) {
-    (void)state;
+FAKE_TEST(an_atlas_too_large_is_taken_apart) {
     int fits = -1;
     btf_material *whole = NULL, *apart = NULL;
     btf_gl *gl = NULL;
@@ -151,7 +144,6 @@ static void an_atlas_too_large_is_taken_apart(void **state) {
                                  .lobes = 1,
                                  .effects = 11};
     assert_int_equal(synthetic_create(&spec, &log_keep, &whole), BTF_OK);
-    memset(&fake, 0, sizeof fake);
     assert_true(btf_material_texture(whole, BTF_TEXTURE_MAPS).width >
                 256); /* which the direction tables need */
     assert_int_equal(btf_gl_fits(whole, &faked, &log_keep, &fits), BTF_OK);
@@ -166,12 +158,9 @@ static void an_atlas_too_large_is_taken_apart(void **state) {
     btf_gl_destroy(&gl);
     btf_material_close(&apart);
     btf_material_close(&whole);
-    memset(&fake, 0, sizeof fake);
 }
 
-static void old_and_partial_contexts_are_refused(void **state) {
-    (void)state;
-    memset(&fake, 0, sizeof fake);
+FAKE_TEST(old_and_partial_contexts_are_refused) {
     fake.missing = "glTexImage3D";
     expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "lacks the function glTexImage3D");
     fake.missing = NULL;
@@ -182,7 +171,6 @@ static void old_and_partial_contexts_are_refused(void **state) {
     fake.major = 3;
     fake.minor = 2;
     expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "but OpenGL 3.3 or later is needed");
-    memset(&fake, 0, sizeof fake);
     btf_gl *gl;
     btf_gl_options none = {.struct_size = sizeof none};
     assert_int_equal(btf_gl_upload(tight, &none, &log_keep, &gl), BTF_ERROR_USAGE);
@@ -190,9 +178,7 @@ static void old_and_partial_contexts_are_refused(void **state) {
 }
 
 /* Not an error of the device as a whole: a bit of its own. */
-static void wrong_mip_levels_are_told(void **state) {
-    (void)state;
-    memset(&fake, 0, sizeof fake);
+FAKE_TEST(wrong_mip_levels_are_told) {
     uint32_t failures;
     char names[200];
     assert_int_equal(btf_gl_self_test(&faked, &log_keep, &failures), BTF_OK);
@@ -209,17 +195,13 @@ static void wrong_mip_levels_are_told(void **state) {
     btf_self_test_names(failures, names, sizeof names);
     assert_string_equal(names, "levels, factors, lists");
     assert_int_equal(fake.live, 0);
-    memset(&fake, 0, sizeof fake);
 }
 
-static void frees_what_it_made(void **state) {
-    (void)state;
-    memset(&fake, 0, sizeof fake);
+FAKE_TEST(frees_what_it_made) {
     btf_gl *gl;
     assert_int_equal(btf_gl_upload(tight, &faked, &log_keep, &gl), BTF_OK);
     assert_int_equal(fake.live, 10); /* all but `maps` */
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(tight, &info);
+    btf_material_info info = accepted_info(tight);
     assert_int_equal(btf_gl_bytes(gl), info.gpu_bytes + info.table_bytes);
     GLuint name = btf_gl_texture(gl, BTF_TEXTURE_SHADOW);
     assert_true(api->IsTexture(name));
@@ -232,14 +214,12 @@ static void frees_what_it_made(void **state) {
     assert_false(api->IsTexture(name));
 }
 
-static void uploads_what_a_variant_reads(void **state) {
-    (void)state;
+TEST(uploads_what_a_variant_reads) {
     btf_shader_options shader = {.struct_size = sizeof shader,
                                  .leave_out = BTF_EFFECT_SHADOW | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN,
                                  .components = 4};
     btf_gl_options options = gpu_gl_options(device, &shader);
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(tight, &info);
+    btf_material_info info = accepted_info(tight);
     btf_gl *gl;
     assert_int_equal(btf_gl_upload(tight, &options, &log_keep, &gl), BTF_OK);
     /* The shift needs to know which points are hidden. */
@@ -285,8 +265,7 @@ static GLint layers_on_device(const btf_gl *gl, btf_texture_id id, GLint level) 
 
 /* Units are whole layers, of classes 1 and 3 two of factor_texels, at every level; a context of few layers
  * holds so many of them. */
-static void uploads_the_first_units(void **state) {
-    (void)state;
+FAKE_TEST(uploads_the_first_units) {
     enum { UNITS = 9, WIDTH = 8, HEIGHT = 6, LEVELS = 3, VIEWS = 5, LIGHTS = 4 };
     static const GLint layers[UNITS + 1] = {0, 1, 2, 4, 5, 6, 7, 9, 10, 11};
     synthetic_spec spec = {.seed = 23,
@@ -303,9 +282,7 @@ static void uploads_the_first_units(void **state) {
                            .classes = {{2, 3, 2}, {1, 1, 1}, {3, 0, 0}, {1, 2, 0}, {2, 0, 1}}};
     btf_material *material = NULL;
     assert_int_equal(synthetic_create(&spec, &log_keep, &material), BTF_OK);
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(material, &info);
-    memset(&fake, 0, sizeof fake);
+    btf_material_info info = accepted_info(material);
     for (uint32_t units = 1; units <= UNITS; ++units) {
         const btf_shader_options shader = {.struct_size = sizeof shader, .components = units};
         btf_gl_options options = faked;
@@ -332,7 +309,6 @@ static void uploads_the_first_units(void **state) {
     fake.layers = 10;
     expect_refusal(material, BTF_ERROR_UNSUPPORTED,
                    "factor_texels: 11 layers exceed GL_MAX_ARRAY_TEXTURE_LAYERS 10");
-    memset(&fake, 0, sizeof fake);
     btf_material_close(&material);
 }
 
@@ -401,8 +377,7 @@ static void set_state(int odd, GLuint texture, GLuint array, GLuint buffer) {
     api->Viewport(odd, odd, 40 + odd, 30);
 }
 
-static void state_is_restored(void **unused) {
-    (void)unused;
+TEST(state_is_restored) {
     GLuint textures[2], buffer, sampler;
     api->GenSamplers(1, &sampler); /* filters as no integer texture can be */
     api->GenTextures(2, textures);
@@ -431,8 +406,7 @@ static void state_is_restored(void **unused) {
 }
 
 /* Uploaded under odd unpacking state, the texels still arrive. */
-static void unpacking_state_does_not_matter(void **state) {
-    (void)state;
+TEST(unpacking_state_does_not_matter) {
     set_state(1, 0, 0, 0);
     btf_gl_options options = gpu_gl_options(device, NULL);
     btf_gl *gl;
@@ -451,8 +425,7 @@ static void unpacking_state_does_not_matter(void **state) {
     btf_gl_destroy(&gl);
 }
 
-static void two_materials_share_a_program(void **state) {
-    (void)state;
+TEST(two_materials_share_a_program) {
     enum { COUNT = 4096 };
     static const char body[] =
         "uvec4 check(uvec4 a, uvec4 b) {\n"
@@ -518,8 +491,7 @@ static void two_materials_share_a_program(void **state) {
 }
 
 /* The library's are the reference's, which conformance holds the shader's against. */
-static void random_numbers_of_a_counter(void **state) {
-    (void)state;
+TEST(random_numbers_of_a_counter) {
     random_state r = {3};
     for (int i = 0; i < 1000; ++i) {
         const uint32_t counter[3] = {(uint32_t)random_bits(&r), (uint32_t)random_bits(&r), (uint32_t)i};
@@ -530,8 +502,7 @@ static void random_numbers_of_a_counter(void **state) {
     }
 }
 
-static void options_are_checked(void **state) {
-    (void)state;
+TEST(options_are_checked) {
     static const char *const wrong[] = {"",
                                         "Upper",
                                         "two__underscores",
@@ -594,20 +565,13 @@ static int setup(void **state) {
     (void)state;
     device = gpu_create_or_skip(&context_devices[0]);
     api = gpu_api(device);
-    synthetic_spec a = {.seed = 21,
-                        .width = 24,
-                        .height = 17,
-                        .n_views = 7,
-                        .n_lights = 13,
-                        .layout = BTF_LAYOUT_TIGHT,
-                        .domain = BTF_DOMAIN_SQRT,
-                        .colour = BTF_COLOUR_RGB,
-                        .lobes = 2,
-                        .half_float = 1,
-                        .effects = BTF_EFFECT_VERSION_1,
-                        .components = 6,
-                        .centres = 100,
-                        .directions = SYNTHETIC_RANDOM};
+    /* clang-format off */
+    synthetic_spec a = {
+        .seed = 21, .width = 24, .height = 17, .n_views = 7, .n_lights = 13, .layout = BTF_LAYOUT_TIGHT,
+        .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_RGB, .lobes = 2, .half_float = 1,
+        .effects = BTF_EFFECT_VERSION_1, .components = 6, .centres = 100, .directions = SYNTHETIC_RANDOM,
+    };
+    /* clang-format on */
     synthetic_spec b = {.seed = 22,
                         .width = 16,
                         .height = 16,
@@ -630,20 +594,4 @@ static int teardown(void **state) {
     return 0;
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(random_numbers_of_a_counter),
-        cmocka_unit_test(options_are_checked),
-        cmocka_unit_test(limits_are_told_with_both_numbers),
-        cmocka_unit_test(an_atlas_too_large_is_taken_apart),
-        cmocka_unit_test(old_and_partial_contexts_are_refused),
-        cmocka_unit_test(wrong_mip_levels_are_told),
-        cmocka_unit_test(frees_what_it_made),
-        cmocka_unit_test(uploads_what_a_variant_reads),
-        cmocka_unit_test(uploads_the_first_units),
-        cmocka_unit_test(state_is_restored),
-        cmocka_unit_test(unpacking_state_does_not_matter),
-        cmocka_unit_test(two_materials_share_a_program),
-    };
-    return cmocka_run_group_tests_name("gl", tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

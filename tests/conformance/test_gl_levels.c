@@ -6,15 +6,9 @@
 #include "cases.h"
 #include "check.h"
 #include "decoder/toolkit/reference_view.h"
+#include "tests/support/messages.h"
+#include "tests/support/test.h"
 #include "variant.h"
-
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 enum { WIDTH = 20, HEIGHT = 7, LEVELS = 5 };
 
@@ -22,13 +16,6 @@ static gpu *device;
 static const gl_api *api; /* of the device */
 static btf_material *material;
 static btf_material_info info = {.struct_size = sizeof info};
-
-static void say_error(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    fprintf(stderr, "%s\n", message);
-}
-static const btf_log log_stderr = {say_error, NULL};
 
 static GLint texture_parameter(GLenum target, GLenum name) {
     GLint value = -1;
@@ -42,11 +29,10 @@ static GLint level_parameter(GLenum target, GLint level, GLenum name) {
     return value;
 }
 
-static void uploaded_as_mip_levels(void **state) {
-    (void)state;
+TEST(uploaded_as_mip_levels) {
     btf_gl_options options = gpu_gl_options(device, NULL);
     btf_gl *gl;
-    assert_int_equal(btf_gl_upload(material, &options, &log_stderr, &gl), BTF_OK);
+    assert_int_equal(btf_gl_upload(material, &options, &log_print, &gl), BTF_OK);
     assert_int_equal(btf_gl_bytes(gl), info.gpu_bytes + info.table_bytes);
     for (int id = 0; id < BTF_TEXTURE_COUNT; ++id) {
         btf_texture t = btf_material_texture(material, (btf_texture_id)id);
@@ -73,8 +59,7 @@ static void uploaded_as_mip_levels(void **state) {
 }
 
 /* Four of six components are one of two layers, at every level. */
-static void uploads_what_a_variant_reads(void **state) {
-    (void)state;
+TEST(uploads_what_a_variant_reads) {
     btf_shader_options shader = {.struct_size = sizeof shader,
                                  .leave_out = BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_RESIDUAL,
                                  .components = 4};
@@ -86,7 +71,7 @@ static void uploads_what_a_variant_reads(void **state) {
                  btf_material_level_texture(material, level, BTF_TEXTURE_RESIDUAL_TEXELS).size / 2;
     }
     btf_gl *gl;
-    assert_int_equal(btf_gl_upload(material, &options, &log_stderr, &gl), BTF_OK);
+    assert_int_equal(btf_gl_upload(material, &options, &log_print, &gl), BTF_OK);
     assert_int_equal(btf_gl_bytes(gl), bytes);
     btf_gl_destroy(&gl);
 }
@@ -94,15 +79,15 @@ static void uploads_what_a_variant_reads(void **state) {
 /* Runs `body` over `count` elements with the material bound. */
 static void run(const char *body, size_t count, const uint32_t *inputs, uint32_t *outputs) {
     char *text;
-    assert_int_equal(btf_shader_source(material, NULL, &log_stderr, &text), BTF_OK);
-    unsigned program = gpu_program(device, NULL, text, body, &log_stderr);
+    assert_int_equal(btf_shader_source(material, NULL, &log_print, &text), BTF_OK);
+    unsigned program = gpu_program(device, NULL, text, body, &log_print);
     btf_free(text);
     assert_int_not_equal(program, 0);
     btf_gl_options options = gpu_gl_options(device, NULL);
     btf_gl *gl;
-    assert_int_equal(btf_gl_upload(material, &options, &log_stderr, &gl), BTF_OK);
-    assert_int_equal(btf_gl_bind(gl, program, GPU_FIRST_UNIT, NULL, &log_stderr, NULL), BTF_OK);
-    assert_int_equal(gpu_run(device, program, count, inputs, outputs, &log_stderr), BTF_OK);
+    assert_int_equal(btf_gl_upload(material, &options, &log_print, &gl), BTF_OK);
+    assert_int_equal(btf_gl_bind(gl, program, GPU_FIRST_UNIT, NULL, &log_print, NULL), BTF_OK);
+    assert_int_equal(gpu_run(device, program, count, inputs, outputs, &log_print), BTF_OK);
     gpu_delete_program(device, program);
     btf_gl_destroy(&gl);
 }
@@ -113,8 +98,7 @@ static float as_float(uint32_t bits) {
     return f;
 }
 
-static void level_of_two_steps(void **state) {
-    (void)state;
+TEST(level_of_two_steps) {
     static const char body[] = "uvec4 check(uvec4 a, uvec4 b) {\n"
                                "    vec4 d = uintBitsToFloat(a);\n"
                                "    return uvec4(floatBitsToUint(btf_level(d.xy, d.zw)), b.xyz);\n"
@@ -148,8 +132,7 @@ static void level_of_two_steps(void **state) {
 }
 
 /* The whole way: a surface of which one pixel steps over four columns and three rows. */
-static void level_of_derivatives(void **state) {
-    (void)state;
+TEST(level_of_derivatives) {
     static const char body[] =
         "uvec4 check(uvec4 a, uvec4 b) {\n"
         "    vec2 uv = gl_FragCoord.xy * vec2(4.0, 3.0) / vec2(BTF_WIDTH, BTF_HEIGHT);\n"
@@ -168,8 +151,7 @@ static void level_of_derivatives(void **state) {
     free(outputs);
 }
 
-static void evaluate_is_level_0(void **state) {
-    (void)state;
+TEST(evaluate_is_level_0) {
     static const char body[] =
         "uvec4 check(uvec4 a, uvec4 b) {\n"
         "    vec3 l = vec3(uintBitsToFloat(a.zw), uintBitsToFloat(b.x)), v = uintBitsToFloat(b.yzw);\n"
@@ -202,22 +184,15 @@ static int setup(void **state) {
     (void)state;
     device = gpu_create_or_skip(&context_devices[1]);
     api = gpu_api(device);
-    synthetic_spec spec = {.seed = 31,
-                           .width = WIDTH,
-                           .height = HEIGHT,
-                           .n_views = 7,
-                           .n_lights = 13,
-                           .layout = BTF_LAYOUT_TIGHT,
-                           .domain = BTF_DOMAIN_SQRT,
-                           .colour = BTF_COLOUR_RGB,
-                           .lobes = 2,
-                           .half_float = 1,
-                           .effects = BTF_EFFECT_VERSION_1,
-                           .components = 6,
-                           .centres = 100,
-                           .directions = SYNTHETIC_RANDOM,
-                           .levels = BTF_MAX_LEVELS};
-    return synthetic_create(&spec, &log_stderr, &material) != BTF_OK ||
+    /* clang-format off */
+    synthetic_spec spec = {
+        .seed = 31, .width = WIDTH, .height = HEIGHT, .n_views = 7, .n_lights = 13,
+        .layout = BTF_LAYOUT_TIGHT, .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_RGB, .lobes = 2,
+        .half_float = 1, .effects = BTF_EFFECT_VERSION_1, .components = 6, .centres = 100,
+        .directions = SYNTHETIC_RANDOM, .levels = BTF_MAX_LEVELS,
+    };
+    /* clang-format on */
+    return synthetic_create(&spec, &log_print, &material) != BTF_OK ||
            btf_material_get_info(material, &info) != BTF_OK || info.levels != LEVELS;
 }
 
@@ -228,11 +203,4 @@ static int teardown(void **state) {
     return 0;
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(uploaded_as_mip_levels), cmocka_unit_test(uploads_what_a_variant_reads),
-        cmocka_unit_test(level_of_two_steps),     cmocka_unit_test(level_of_derivatives),
-        cmocka_unit_test(evaluate_is_level_0),
-    };
-    return cmocka_run_group_tests_name("gl-levels", tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

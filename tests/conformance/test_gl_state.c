@@ -5,18 +5,12 @@
  */
 #include "synthetic.h"
 #include "tests/support/refusals.h"
+#include "tests/support/test.h"
 
 #define GL_GLEXT_PROTOTYPES
 #include <GL/osmesa.h>
 #include <GL/glext.h>
 #include <openbtf/gl.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static unsigned char pixels[16 * 16 * 4];
 static OSMesaContext contexts[2]; /* core, compatibility */
@@ -221,8 +215,7 @@ static void read_transfer(GLfloat out[15]) {
     glGetFloatv(GL_INDEX_OFFSET, &out[14]);
 }
 
-static void pixel_transfer_does_not_matter(void **state) {
-    (void)state;
+TEST(pixel_transfer_does_not_matter) {
     use(1);
     GLfloat before[15], after[15];
     memset(&fake, 0, sizeof fake);
@@ -252,8 +245,7 @@ static void pixel_transfer_does_not_matter(void **state) {
 }
 
 /* The probe itself: an upload under this state is another one. */
-static void pixel_transfer_would_matter(void **state) {
-    (void)state;
+TEST(pixel_transfer_would_matter) {
     use(1);
     static const GLfloat texel[4] = {0.25f, 0.5f, 0.75f, 1};
     GLfloat back[4];
@@ -310,8 +302,7 @@ static void read_drawing(int compatibility, GLint out[SWITCHES + 2]) {
 }
 
 /* In both profiles, all of it at once. */
-static void drawing_state_does_not_matter(void **state) {
-    (void)state;
+TEST(drawing_state_does_not_matter) {
     for (int compatibility = 0; compatibility < 2; ++compatibility) {
         GLint before[SWITCHES + 2], after[SWITCHES + 2];
         uint32_t failures = 1;
@@ -333,8 +324,7 @@ static void drawing_state_does_not_matter(void **state) {
     }
 }
 
-static void the_imaging_subset_is_put_aside(void **state) {
-    (void)state;
+TEST(the_imaging_subset_is_put_aside) {
     use(1);
     memset(&fake, 0, sizeof fake);
     fake.has_imaging = 1;
@@ -359,8 +349,7 @@ static void the_imaging_subset_is_put_aside(void **state) {
 
 /* A core context has no pixel transfer, and is not asked; one that does not say which it is, is asked
  * without an error that the application would see. */
-static void core_contexts_get_no_errors(void **state) {
-    (void)state;
+TEST(core_contexts_get_no_errors) {
     use(0);
     for (int profile_is_0 = 0; profile_is_0 < 2; ++profile_is_0) {
         uint32_t failures = 1;
@@ -432,11 +421,4 @@ static int teardown(void **state) {
     return 0;
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pixel_transfer_would_matter),   cmocka_unit_test(pixel_transfer_does_not_matter),
-        cmocka_unit_test(drawing_state_does_not_matter), cmocka_unit_test(the_imaging_subset_is_put_aside),
-        cmocka_unit_test(core_contexts_get_no_errors),
-    };
-    return cmocka_run_group_tests_name("gl_state", tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

@@ -5,23 +5,9 @@
  */
 #include "check.h"
 #include "tests/conformance/sabotage/tamper.h"
+#include "tests/support/messages.h"
+#include "tests/support/test.h"
 #include "variant.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-static void say_error(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    fprintf(stderr, "%s\n", message);
-}
-static const btf_log log_errors = {say_error, NULL};
 
 /* A zero that compilers know: the bit cast keeps nothing apart. */
 static const char unprotected[] = "#define BTF_HAVE_PRECISE 0\n#define BTF_ZERO 0u\n";
@@ -31,33 +17,30 @@ static const char bit_casts[] = "#define BTF_HAVE_PRECISE 0\n";
 static uint32_t run_self_test(const char *preamble, const char *text) {
     static const char body[] =
         "uvec4 check(uvec4 a, uvec4 b) { return uvec4(btf_self_test(a.x ^ b.x)); }\n";
-    unsigned program = gpu_program(gpu_of_group, preamble, text, body, &log_errors);
+    unsigned program = gpu_program(gpu_of_group, preamble, text, body, &log_print);
     assert_int_not_equal(program, 0);
     uint32_t inputs[GPU_INPUTS] = {0}, outputs[GPU_OUTPUTS];
-    assert_int_equal(gpu_run(gpu_of_group, program, 1, inputs, outputs, &log_errors), BTF_OK);
+    assert_int_equal(gpu_run(gpu_of_group, program, 1, inputs, outputs, &log_print), BTF_OK);
     gpu_delete_program(gpu_of_group, program);
     return outputs[0];
 }
 
-static void passes_here(void **state) {
-    (void)state;
+TEST(passes_here) {
     uint32_t failures = 99;
     btf_gl_options options = gpu_gl_options(gpu_of_group, NULL);
-    assert_int_equal(btf_gl_self_test(&options, &log_errors, &failures), BTF_OK);
+    assert_int_equal(btf_gl_self_test(&options, &log_print, &failures), BTF_OK);
     assert_int_equal(failures, 0);
     assert_int_equal(run_self_test(NULL, btf_shader_self_test()), 0);
     assert_int_equal(run_self_test(bit_casts, btf_shader_self_test()), 0);
 }
 
-static void finds_missing_protection(void **state) {
-    (void)state;
+TEST(finds_missing_protection) {
     assert_true(run_self_test(unprotected, btf_shader_self_test()) & BTF_SELF_TEST_REASSOCIATION);
 }
 
 /* Devices that break one thing each. (Results of fused operations are written as constants, for fma() of GLSL need not
  * fuse.) */
-static void names_what_breaks(void **state) {
-    (void)state;
+TEST(names_what_breaks) {
     static const struct {
         btf_self_test bit;
         const char *name, *from, *to;
@@ -105,12 +88,12 @@ static uint64_t differences(const char *preamble, uint64_t *out_evaluated) {
     check_outcome outcome = {0};
     for (int i = 0; i < VARIANTS; ++i) {
         btf_material *material = NULL;
-        assert_int_equal(synthetic_create(&list[i].spec, &log_errors, &material), BTF_OK);
+        assert_int_equal(synthetic_create(&list[i].spec, &log_print, &material), BTF_OK);
         check_subject s = {.gpu = gpu_of_group,
                            .material = material,
                            .shader = &list[i].shader,
                            .preamble = preamble,
-                           .log = &log_errors};
+                           .log = &log_print};
         assert_int_equal(check_radiance(&s, 1, COUNT, &outcome), BTF_OK);
         btf_material_close(&material);
     }
@@ -118,8 +101,7 @@ static uint64_t differences(const char *preamble, uint64_t *out_evaluated) {
     return outcome.different;
 }
 
-static void decoder_differs_without_protection(void **state) {
-    (void)state;
+TEST(decoder_differs_without_protection) {
     uint64_t evaluated;
     assert_int_equal(differences(NULL, &evaluated), 0);
     assert_int_equal(differences(bit_casts, &evaluated), 0);
@@ -129,9 +111,4 @@ static void decoder_differs_without_protection(void **state) {
     assert_true(different > 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(passes_here), cmocka_unit_test(finds_missing_protection),
-        cmocka_unit_test(names_what_breaks), cmocka_unit_test(decoder_differs_without_protection)};
-    return cmocka_run_group_tests_name("protection", tests, gpu_group_setup, gpu_group_teardown);
-}
+RUN_TESTS(gpu_group_setup, gpu_group_teardown)

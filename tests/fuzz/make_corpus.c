@@ -120,6 +120,36 @@ static void write_version_2(const char *name, btf_layout layout, uint32_t effect
     random_material_free(&desc);
 }
 
+/* One with tables of errors: of each way to decode at the samples, its differences from everything decoded, and between the
+ * samples; the first two in two bands of views. */
+static void write_tables(void) {
+    enum { BOTH = BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL };
+    /* clang-format off */
+    static const float errors[] = {2, 1, 0, 30, 75, 0, 75,
+                                   BOTH, 2, 0, 0, 48, 0.001f, 0.002f, 0.002f, 0.004f,
+                                   BTF_EFFECT_RESIDUAL, 1, 1, 1, 24, 0.003f, 0.004f, 0.005f, 0.006f};
+    static const float differences[] = {2, 1, 0, 30, 75, 0, 75,
+                                        BOTH, 2, 0, 0, 48, 0, 0, 0, 0,
+                                        BTF_EFFECT_RESIDUAL, 1, 1, 1, 24, 0.01f, 0.02f, 0.03f, 0.04f};
+    static const float between[] = {1, 1, 0, 75, 0, 75, 1, 0.1f, 0.2f, 0.3f, 0.4f, 0.01f, 0.02f};
+    /* clang-format on */
+    random_state r = {9};
+    btf_material_desc desc = random_material_desc(2, 2, 3, 2, BTF_LAYOUT_TIGHT, BOTH);
+    desc.info.colour = BTF_COLOUR_NONE;
+    desc.info.lobes = 0;
+    desc.info.components = 2;
+    desc.info.levels = 2;
+    desc.effect_errors = errors;
+    desc.effect_error_count = sizeof errors / sizeof *errors;
+    desc.effect_differences = differences;
+    desc.effect_difference_count = sizeof differences / sizeof *differences;
+    desc.between_errors = between;
+    desc.between_error_count = sizeof between / sizeof *between;
+    random_material_fill(&r, &desc);
+    write_material_file("tables", &desc);
+    random_material_free(&desc);
+}
+
 static void write_materials(void) {
     const uint32_t all = BTF_EFFECT_VERSION_1,
                    paper = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
@@ -127,6 +157,7 @@ static void write_materials(void) {
     write_material("tight", BTF_LAYOUT_TIGHT, BTF_COLOUR_RGB, all, true);
     write_material("residual", BTF_LAYOUT_TIGHT, BTF_COLOUR_NONE, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT,
                    false);
+    write_tables();
     write_version_2("factors", BTF_LAYOUT_TIGHT, 0, true, 0, 0);
     write_version_2("factors-all", BTF_LAYOUT_PAPER, all, true, 0, 0);
     write_version_2("points", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, true, 0, 0);
@@ -272,24 +303,14 @@ static double sample(int view, int light, int channel, int x, int y) {
 static void write_bonn(const char *name, bonn_form form, const char *signature, unsigned compression) {
     static const double list[2][2] = {{0, 0}, {45, 90}};
     static const unsigned char mask[6] = {1, 0, 1, 1, 0, 1};
-    const bonn_spec spec = {.form = form,
-                            .signature = signature,
-                            .meta_version = 4,
-                            .width = 3,
-                            .height = 2,
-                            .n_views = 2,
-                            .n_lights = 2,
-                            .views = list,
-                            .lights = list,
-                            .scalar = {2, 4, 8},
-                            .components = {2, 1, 2},
-                            .compression = compression,
-                            .lines_per_chunk = 1,
-                            .mask = compression == 2 ? mask : NULL,
-                            .direction = direction,
-                            .texel = texel,
-                            .average = average,
-                            .sample = sample};
+    /* clang-format off */
+    const bonn_spec spec = {
+        .form = form, .signature = signature, .meta_version = 4, .width = 3, .height = 2, .n_views = 2,
+        .n_lights = 2, .views = list, .lights = list, .scalar = {2, 4, 8}, .components = {2, 1, 2},
+        .compression = compression, .lines_per_chunk = 1, .mask = compression == 2 ? mask : NULL,
+        .direction = direction, .texel = texel, .average = average, .sample = sample,
+    };
+    /* clang-format on */
     must(bonn_write(path_of("bonn", name), &spec), "a .btf cannot be written");
 }
 

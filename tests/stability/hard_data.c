@@ -105,6 +105,34 @@ float hard_random(uint32_t a, uint32_t b, uint32_t c) {
     return (float)(x >> 8) * 0x1p-24f;
 }
 
+void hard_black(const void *user, int texel, const enc_direction *view, const enc_direction *light,
+                int sample, float out_rgb[3]) {
+    (void)user, (void)texel, (void)view, (void)light, (void)sample, (void)out_rgb;
+}
+
+void hard_constant(const void *user, int texel, const enc_direction *view, const enc_direction *light,
+                   int sample, float out_rgb[3]) {
+    (void)texel, (void)view, (void)light, (void)sample;
+    out_rgb[0] = out_rgb[1] = out_rgb[2] = *(const float *)user;
+}
+
+void hard_noise(const void *user, int texel, const enc_direction *view, const enc_direction *light,
+                int sample, float out_rgb[3]) {
+    (void)view, (void)light;
+    for (int c = 0; c < 3; c++) {
+        out_rgb[c] =
+            (user ? *(const float *)user : 1) * hard_random((uint32_t)texel, (uint32_t)sample, (uint32_t)c);
+    }
+}
+
+void hard_spread(const void *user, int texel, const enc_direction *view, const enc_direction *light,
+                 int sample, float out_rgb[3]) {
+    (void)user, (void)view, (void)light;
+    for (int c = 0; c < 3; c++) {
+        out_rgb[c] = powf(10, -8 + 14 * hard_random((uint32_t)texel, (uint32_t)sample, (uint32_t)c));
+    }
+}
+
 double hard_model(const float *parameters, int lobes, bool rgb, bool square_root, const enc_direction *view,
                   const enc_direction *light, int channel) {
     const float *shape = parameters + (rgb ? 3 + 3 * lobes : 4);

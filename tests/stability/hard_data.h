@@ -27,6 +27,17 @@ hard_directions hard_twentyfive(void);
 typedef void (*hard_value_fn)(const void *user, int texel, const enc_direction *view,
                               const enc_direction *light, int sample, float out_rgb[3]);
 
+/* No light at all; one value (user: a float); noise from 0 up to a value (user: a float, NULL: 1); logarithms spread evenly
+ * from 1e-8 to 1e6. */
+void hard_black(const void *user, int texel, const enc_direction *view, const enc_direction *light,
+                int sample, float out_rgb[3]);
+void hard_constant(const void *user, int texel, const enc_direction *view, const enc_direction *light,
+                   int sample, float out_rgb[3]);
+void hard_noise(const void *user, int texel, const enc_direction *view, const enc_direction *light,
+                int sample, float out_rgb[3]);
+void hard_spread(const void *user, int texel, const enc_direction *view, const enc_direction *light,
+                 int sample, float out_rgb[3]);
+
 /* A BTF in memory; exits on failure. `sample` counts view * lights + light. */
 enc_data *hard_create(int width, int height, const hard_directions *views, const hard_directions *lights,
                       hard_value_fn value, const void *user);

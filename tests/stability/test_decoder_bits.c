@@ -10,21 +10,13 @@
 #include "tests/support/exr_edit.h"
 #include <openbtf/reference.h>
 #include "decoder/toolkit/reference_view.h"
+#include "tests/support/messages.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-
-static char message[400];
-
-static void keep_message(void *user, btf_log_level level, const char *text) {
-    (void)user;
-    (void)level;
-    snprintf(message, sizeof message, "%s", text);
-}
-static const btf_log listener = {.callback = keep_message};
 
 static bool is_legal(uint32_t bits) {
     const uint32_t magnitude = bits & 0x7FFFFFFFu;
@@ -68,8 +60,8 @@ static void file_parameters(void) {
                 *texel = bit_classes[k].bits;
                 edit_save(file, &data, &size);
                 *texel = before;
-                message[0] = 0;
-                const btf_result result = btf_material_open_memory(data, size, &listener, &material);
+                last_message[0] = 0;
+                const btf_result result = btf_material_open_memory(data, size, &log_keep, &material);
                 free(data);
                 places++;
                 if (bit_classes[k].legal) {
@@ -78,16 +70,14 @@ static void file_parameters(void) {
                     char place[100];
                     snprintf(place, sizeof place, "sbrdf: channel %s at (%d, %d) holds",
                              part->channels[c].name, x, y);
-                    ok = ok && result == BTF_ERROR_BAD_FILE && strstr(message, place) != NULL;
-                    snprintf(example, sizeof example, "refused: %s", message);
+                    ok = ok && result == BTF_ERROR_BAD_FILE && strstr(last_message, place) != NULL;
+                    snprintf(example, sizeof example, "refused: %s", last_message);
                 }
                 btf_material_close(&material);
             }
             edit_free(file);
         }
-        char input[100];
-        snprintf(input, sizeof input, "parameter of a file: %s", bit_classes[k].name);
-        cases_add(input,
+        cases_add(cases_text("parameter of a file: %s", bit_classes[k].name),
                   bit_classes[k].legal ? "opens; radiance finite"
                                        : "refused, part, channel and texel named",
                   ok, "%d places, e.g. %s", places, example);
@@ -122,8 +112,8 @@ static void file_scales(void) {
         for (size_t k = 0; k < bit_class_count; k++) {
             *value = float_of_bits(bit_classes[k].bits);
             edit_save(file, &data, &size);
-            message[0] = 0;
-            const btf_result result = btf_material_open_memory(data, size, &listener, &material);
+            last_message[0] = 0;
+            const btf_result result = btf_material_open_memory(data, size, &log_keep, &material);
             free(data);
             const bool legal = bit_classes[k].legal &&
                                (many || *value > (list[n].number == FROM_ONE ? 0x1.fffffep-1f : 0));
@@ -133,14 +123,12 @@ static void file_scales(void) {
             } else {
                 refused++;
                 ok = ok && result == BTF_ERROR_BAD_FILE &&
-                     strstr(message, strchr(list[n].name, '.') + 1) != NULL;
+                     strstr(last_message, strchr(list[n].name, '.') + 1) != NULL;
             }
             btf_material_close(&material);
         }
         edit_free(file);
-        char input[100];
-        snprintf(input, sizeof input, "every class of bits in %s", list[n].name);
-        cases_add(input,
+        cases_add(cases_text("every class of bits in %s", list[n].name),
                   many ? "refused by name, or 0 or of magnitude 2^-24 to 2^24"
                   : list[n].number == FROM_ONE
                       ? "refused by name, or 1 to 2^24"
@@ -343,9 +331,8 @@ static void weights(void) {
                 }
             }
         }
-        char input[60];
-        snprintf(input, sizeof input, "weights of %s", lists[k].name);
-        cases_add(input, "sum to 4096 of 4096 exactly, all neighbours exist", ok, "%d look-ups", n);
+        cases_add(cases_text("weights of %s", lists[k].name),
+                  "sum to 4096 of 4096 exactly, all neighbours exist", ok, "%d look-ups", n);
         btf_material_close(&material);
     }
 }

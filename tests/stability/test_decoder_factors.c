@@ -101,9 +101,8 @@ static void codes_at_bounds(void) {
                 random_material_free(&desc);
             }
         }
-        char input[100];
-        snprintf(input, sizeof input, "class %d, every code its largest or smallest", c);
-        cases_add(input, "the square of the exact sum, rounded once; 0 for a negative one", ok,
+        cases_add(cases_text("class %d, every code its largest or smallest", c),
+                  "the square of the exact sum, rounded once; 0 for a negative one", ok,
                   "Y and C1, radiance %.8g", (double)seen);
     }
 }
@@ -237,10 +236,8 @@ static void horizon(void) {
         ok = ok && worst < 1e-6 && (double)last == full;
         ok = ok && decode(&desc, BTF_REF_LINEAR, (const float[]){1, 0, 0x1.fffffep-25f}, pole, rgb) &&
              rgb[0] == 0;
-        char input[100];
-        snprintf(input, sizeof input, "a light that sinks from the pole to the horizon, domain %s",
-                 domain ? "sqrt" : "linear");
-        cases_add(input,
+        cases_add(cases_text("a light that sinks from the pole to the horizon, domain %s",
+                             domain ? "sqrt" : "linear"),
                   "the same to l.z = 1 / horizonScale, then in proportion to l.z within 1e-6; no jump, "
                   "never more",
                   ok, "2401 lights, off by at most %.2g", worst);

@@ -40,11 +40,6 @@ static void plain(const void *user, int texel, const enc_direction *v, const enc
     }
 }
 
-static void black(const void *user, int texel, const enc_direction *v, const enc_direction *l, int sample,
-                  float rgb[3]) {
-    (void)user, (void)texel, (void)v, (void)l, (void)sample, (void)rgb;
-}
-
 static void check(const char *name, const enc_data *data) {
     for (int method = 0; method < ENCODE_METHODS; method++) {
         const double clean = encode_played_psnr(data, data, (encode_method)method, 1, 1);
@@ -62,9 +57,8 @@ static void check(const char *name, const enc_data *data) {
             }
             enc_data_destroy(&other);
         }
-        char input[120];
-        snprintf(input, sizeof input, "%s, by method %s", name, encode_names[method]);
-        cases_add(input, "error at most that without noise plus 1/512", ok,
+        cases_add(cases_text("%s, by method %s", name, encode_names[method]),
+                  "error at most that without noise plus 1/512", ok,
                   "%.2f dB without noise, %.2f dB with it, %.2f dB allowed", clean, worst,
                   -20 * log10(rms + sigma));
     }
@@ -80,7 +74,7 @@ int main(void) {
     data = hard_create(6, 6, &d, &d, plain, NULL);
     check("a glossy plane", data);
     enc_data_destroy(&data);
-    data = hard_create(4, 4, &d, &d, black, NULL);
+    data = hard_create(4, 4, &d, &d, hard_black, NULL);
     check("black", data);
     enc_data_destroy(&data);
     return cases_result();

@@ -9,6 +9,7 @@
 #include "decoder/toolkit/reference_view.h"
 #include "tests/support/exr_edit.h"
 #include "tests/support/factor_material.h"
+#include "tests/support/messages.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -20,16 +21,6 @@ typedef struct saved {
     void *data;
     size_t size;
 } saved;
-
-static int messages;
-static char last_message[1024];
-
-static void keep_message(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    messages++;
-    snprintf(last_message, sizeof last_message, "%s", message);
-}
 
 /* With lists of so many points a texel, where that is not 0. */
 static saved save_small(const char *name, btf_layout layout, uint32_t levels, uint32_t entries) {
@@ -68,18 +59,17 @@ typedef enum outcome { REFUSED, OPENED, WRONG } outcome;
 /* Opens bytes in a buffer of just their size, and decodes what opens. */
 static outcome open_bytes(const void *data, size_t size) {
     static const float directions[3][3] = {{0, 0, 1}, {0.6f, 0, 0.8f}, {-0.48f, 0.64f, 0.6f}};
-    const btf_log log = {keep_message, NULL};
     btf_material *material = NULL;
     void *exact = malloc(size ? size : 1);
     if (!exact) {
         exit(99);
     }
     memcpy(exact, data, size);
-    messages = 0;
-    const btf_result result = btf_material_open_memory(exact, size, &log, &material);
+    message_count = 0;
+    const btf_result result = btf_material_open_memory(exact, size, &log_keep, &material);
     free(exact);
     outcome seen = result == BTF_OK ? OPENED : REFUSED;
-    if ((result == BTF_OK) != (material != NULL) || messages != (result != BTF_OK) ||
+    if ((result == BTF_OK) != (material != NULL) || message_count != (result != BTF_OK) ||
         (result != BTF_OK && result != BTF_ERROR_BAD_FILE && result != BTF_ERROR_UNSUPPORTED)) {
         seen = WRONG;
     }
@@ -194,10 +184,8 @@ static void expect_renamed_refused(const saved *s, const char *part, const char 
 }
 
 static void add_refused(const char *what, const saved *s, const char *expected) {
-    char input[160];
-    snprintf(input, sizeof input, "%s, %s", what, s->name);
-    cases_add(input, expected, asked > 0 && asked == refused, "%d of %d refused so%s", refused, asked,
-              complaint);
+    cases_add(cases_text("%s, %s", what, s->name), expected, asked > 0 && asked == refused,
+              "%d of %d refused so%s", refused, asked, complaint);
     asked = refused = 0;
     complaint[0] = 0;
 }
@@ -341,9 +329,8 @@ static void try_attributes(const saved *s) {
             counts[open_edited(file)]++;
         }
     }
-    char input[160];
-    snprintf(input, sizeof input, "each number of the header absurd or contradictory, %s", s->name);
-    cases_add(input, "refused with one message, or decodes to finite values",
+    cases_add(cases_text("each number of the header absurd or contradictory, %s", s->name),
+              "refused with one message, or decodes to finite values",
               counts[WRONG] == 0 && counts[REFUSED] > 100, "%zu refused, %zu opened, %zu otherwise",
               counts[REFUSED], counts[OPENED], counts[WRONG]);
 

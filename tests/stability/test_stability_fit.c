@@ -230,17 +230,6 @@ static void check_fit(const char *input, enc_data *data, double least_db) {
 
 /* ---- the data ---- */
 
-static void black(const void *user, int texel, const enc_direction *v, const enc_direction *l, int sample,
-                  float rgb[3]) {
-    (void)user, (void)texel, (void)v, (void)l, (void)sample, (void)rgb;
-}
-
-static void constant(const void *user, int texel, const enc_direction *v, const enc_direction *l,
-                     int sample, float rgb[3]) {
-    (void)texel, (void)v, (void)l, (void)sample;
-    rgb[0] = rgb[1] = rgb[2] = *(const float *)user;
-}
-
 /* user: {the bright value, the dark one}. */
 static void one_bright(const void *user, int texel, const enc_direction *v, const enc_direction *l,
                        int sample, float rgb[3]) {
@@ -268,14 +257,6 @@ static void spread(const void *user, int texel, const enc_direction *v, const en
     for (int c = 0; c < 3; c++) {
         const double at = (double)hard_random((uint32_t)texel, (uint32_t)sample, (uint32_t)c);
         rgb[c] = (float)pow(10, (double)range[0] + at * (double)(range[1] - range[0]));
-    }
-}
-
-static void noise(const void *user, int texel, const enc_direction *v, const enc_direction *l, int sample,
-                  float rgb[3]) {
-    (void)user, (void)v, (void)l;
-    for (int c = 0; c < 3; c++) {
-        rgb[c] = hard_random((uint32_t)texel, (uint32_t)sample, (uint32_t)c);
     }
 }
 
@@ -319,17 +300,17 @@ static void fit_function(const char *input, hard_value_fn value, const void *use
 
 static void flat_data(void) {
     const float half = 0.5f, tiny = 1e-40f, least_half = 0x1p-24f, most_half = 65504.0f, huge = 1e30f;
-    fit_function("all black", black, NULL);
-    fit_function("constant 0.5, light or not", constant, &half);
-    fit_function("denormals: constant 1e-40", constant, &tiny);
-    fit_function("constant 2^-24, the least half float", constant, &least_half);
-    fit_function("constant 65504, the largest half float", constant, &most_half);
-    fit_function("constant 1e30, beyond what a file holds", constant, &huge);
+    fit_function("all black", hard_black, NULL);
+    fit_function("constant 0.5, light or not", hard_constant, &half);
+    fit_function("denormals: constant 1e-40", hard_constant, &tiny);
+    fit_function("constant 2^-24, the least half float", hard_constant, &least_half);
+    fit_function("constant 65504, the largest half float", hard_constant, &most_half);
+    fit_function("constant 1e30, beyond what a file holds", hard_constant, &huge);
     fit_function("one bright sample of 1 in black", one_bright, (const float[]){1, 0});
     fit_function("one bright sample of 1e6 among 1e-8", one_bright, (const float[]){1e6f, 1e-8f});
     fit_function("values spread from 1e-8 to 1e6", spread, (const float[]){-8, 6});
     fit_function("values spread from 1e-44 to 1e38", spread, (const float[]){-44, 38});
-    fit_function("noise only", noise, NULL);
+    fit_function("noise only", hard_noise, NULL);
 }
 
 static void lobes(void) {

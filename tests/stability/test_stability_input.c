@@ -9,6 +9,8 @@
 #include "decoder/toolkit/exr_image.h"
 #include "decoder/toolkit/png_image.h"
 #include "encoder/input/reader.h"
+#include "tests/support/messages.h"
+#include "tests/support/temporary.h"
 
 #include <float.h>
 #include <ftw.h>
@@ -20,33 +22,13 @@
 
 enum { W = 4, H = 3, DIRECTIONS = 7, TEXELS = W * H };
 static const btf_log no_log = {NULL, NULL};
-static char folder[256], messages[2000];
-
-static void keep_message(void *user, btf_log_level level, const char *text) {
-    (void)user;
-    (void)level;
-    const size_t used = strlen(messages);
-    snprintf(messages + used, sizeof messages - used, "%s\n", text);
-}
 static const enc_context context = {.log = {keep_message, NULL}, .threads = 1};
 
-static int remove_entry(const char *path, const struct stat *status, int flag, struct FTW *ftw) {
-    (void)status;
-    (void)flag;
-    (void)ftw;
-    return remove(path);
-}
-
-static void remove_folder(void) {
-    nftw(folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
-}
-
 static void make_folder(void) {
-    const char *base = getenv("TMPDIR");
-    snprintf(folder, sizeof folder, "%s/btf-stability-XXXXXX", base && *base ? base : "/tmp");
-    if (!mkdtemp(folder)) {
+    if (make_temporary_folder(NULL) != 0) {
         exit(1);
     }
+    forget_messages();
 }
 
 /* Angles of direction i: the pole, then 45 degrees. */
@@ -99,7 +81,7 @@ static void write_images(kind k, pixel_fn pixel) {
                     wide[i] = (unsigned short)floor(65535 * code + 0.5);
                 }
             }
-            snprintf(path, sizeof path, "%s/tv%03d_pv%03d_tl%03d_pl%03d.%s", folder, theta_of(v), phi_of(v),
+            snprintf(path, sizeof path, "%s/tv%03d_pv%03d_tl%03d_pl%03d.%s", temporary_folder, theta_of(v), phi_of(v),
                      theta_of(l), phi_of(l), k >= HALF ? "exr" : "png");
             const btf_result result = k == PNG8    ? png_image_write8(path, W, H, codes, no_log)
                                       : k == PNG16 ? png_image_write16(path, W, H, wide, no_log)
@@ -138,9 +120,8 @@ static float some_negative(int view, int light, int texel, int channel) {
 static void check_images(const char *input, kind k, pixel_fn pixel, const char *expected) {
     make_folder();
     write_images(k, pixel);
-    messages[0] = 0;
     enc_data *data = NULL;
-    bool ok = enc_read(&context, folder, &(enc_read_options){0}, &data) == BTF_OK;
+    bool ok = enc_read(&context, temporary_folder, &(enc_read_options){0}, &data) == BTF_OK;
     double worst = 0, psnr[ENCODE_METHODS] = {0}, diffuse[ENCODE_METHODS] = {0};
     float peak = 0;
     uint64_t negative = 0, wanted_negative = 0;
@@ -175,9 +156,9 @@ static void check_images(const char *input, kind k, pixel_fn pixel, const char *
     cases_add(input, expected, ok,
               "read off by %.1e; peak %g, PSNR %.1f, %.1f, %.1f dB, diffuse fit %.1f, %.1f, %.1f dB%s%s",
               worst, (double)peak, psnr[0], psnr[1], psnr[2], diffuse[0], diffuse[1], diffuse[2],
-              ok ? "" : "; ", ok ? "" : messages);
+              ok ? "" : "; ", ok ? "" : all_messages);
     enc_data_destroy(&data);
-    remove_folder();
+    remove_temporary_folder(NULL);
 }
 
 static float not_a_number(int view, int light, int texel, int channel) {
@@ -190,17 +171,16 @@ static float infinite(int view, int light, int texel, int channel) {
 static void check_refused(const char *input, pixel_fn pixel) {
     make_folder();
     write_images(FLOAT, pixel);
-    messages[0] = 0;
     enc_data *data = NULL;
-    const btf_result result = enc_read(&context, folder, &(enc_read_options){0}, &data);
-    const char *name = strstr(messages, "tv045_pv060_tl045_pl120.exr");
+    const btf_result result = enc_read(&context, temporary_folder, &(enc_read_options){0}, &data);
+    const char *name = strstr(all_messages, "tv045_pv060_tl045_pl120.exr");
     char seen[200];
-    snprintf(seen, sizeof seen, "%s", name != NULL ? name : messages);
+    snprintf(seen, sizeof seen, "%.190s", name != NULL ? name : all_messages);
     seen[strcspn(seen, "\n")] = 0;
     cases_add(input, "refused, the image named",
               result == BTF_ERROR_BAD_FILE && name != NULL && data == NULL, "%s", seen);
     enc_data_destroy(&data);
-    remove_folder();
+    remove_temporary_folder(NULL);
 }
 
 int main(void) {

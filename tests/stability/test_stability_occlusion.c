@@ -139,9 +139,8 @@ static void flow_pairs(void) {
         } else if (strcmp(all[i].expected, "finite") != 0) {
             ok = ok && p.error < 0.5 * p.zero;
         }
-        char input[96];
-        snprintf(input, sizeof input, "flow of a pair: %s", all[i].input);
-        cases_add(input, all[i].expected, ok, "%.2f texels off, %zu hidden", p.error, p.hidden);
+        cases_add(cases_text("flow of a pair: %s", all[i].input), all[i].expected, ok,
+                  "%.2f texels off, %zu hidden", p.error, p.hidden);
     }
 }
 
@@ -204,33 +203,10 @@ static void flow_votes(void) {
             }
             enc_occlusion_destroy(&o);
         }
-        char input[96];
-        snprintf(input, sizeof input, "flow of 13 views: %s", all[i].input);
-        cases_add(input, "no shift, nothing hidden; the same with 1 and 2 threads",
+        cases_add(cases_text("flow of 13 views: %s", all[i].input),
+                  "no shift, nothing hidden; the same with 1 and 2 threads",
                   ok && moved == 0 && hidden == 0, "%zu moved, %zu hidden", moved, hidden);
         enc_data_destroy(&data);
-    }
-}
-
-static void black_sample(const void *user, int texel, const enc_direction *v, const enc_direction *l,
-                         int sample, float rgb[3]) {
-    (void)user, (void)texel, (void)v, (void)l, (void)sample, (void)rgb;
-}
-
-static void noise_sample(const void *user, int texel, const enc_direction *v, const enc_direction *l,
-                         int sample, float rgb[3]) {
-    (void)v, (void)l;
-    for (int c = 0; c < 3; c++) {
-        rgb[c] = *(const float *)user * hard_random((uint32_t)texel, (uint32_t)sample, (uint32_t)c);
-    }
-}
-
-/* One 1e6 times as bright as the other. */
-static void wild_sample(const void *user, int texel, const enc_direction *v, const enc_direction *l,
-                        int sample, float rgb[3]) {
-    (void)user, (void)v, (void)l;
-    for (int c = 0; c < 3; c++) {
-        rgb[c] = powf(10, -8 + 14 * hard_random((uint32_t)texel, (uint32_t)sample, (uint32_t)c));
     }
 }
 
@@ -240,15 +216,14 @@ static void flow_noise(void) {
     const struct {
         const char *input;
         hard_value_fn value;
-    } all[] = {{"noise", noise_sample}, {"values from 1e-8 to 1e6", wild_sample}, {"black", black_sample}};
+    } all[] = {{"noise", hard_noise}, {"values from 1e-8 to 1e6", hard_spread}, {"black", hard_black}};
     for (size_t i = 0; i < 3; i++) {
         enc_data *data = hard_create(8, 6, &d, &d, all[i].value, &one);
         bool ok;
         enc_occlusion *o = voted(data, false, &ok);
-        char input[96];
-        snprintf(input, sizeof input, "flow of 13 views: %s", all[i].input);
-        cases_add(input, "ratios of votes within 0 and 1, the same with 1 and 2 threads", ok,
-                  "%zu of %d hidden", o == NULL ? 0 : enc_occlusion_hidden_count(o, -1), 13 * 48);
+        cases_add(cases_text("flow of 13 views: %s", all[i].input),
+                  "ratios of votes within 0 and 1, the same with 1 and 2 threads", ok, "%zu of %d hidden",
+                  o == NULL ? 0 : enc_occlusion_hidden_count(o, -1), 13 * 48);
         enc_occlusion_destroy(&o);
         enc_data_destroy(&data);
     }
@@ -309,12 +284,12 @@ static void refine(void) {
         hide_fn hide;
         hard_value_fn value;
     } all[] = {
-        {"no point hidden", hide_none, noise_sample},
-        {"nothing but hidden points", hide_all, noise_sample},
-        {"one view all hidden", hide_one_view, noise_sample},
-        {"a third hidden, noise", hide_some, noise_sample},
-        {"a third hidden, black", hide_some, black_sample},
-        {"a third hidden, values from 1e-8 to 1e6", hide_some, wild_sample},
+        {"no point hidden", hide_none, hard_noise},
+        {"nothing but hidden points", hide_all, hard_noise},
+        {"one view all hidden", hide_one_view, hard_noise},
+        {"a third hidden, noise", hide_some, hard_noise},
+        {"a third hidden, black", hide_some, hard_black},
+        {"a third hidden, values from 1e-8 to 1e6", hide_some, hard_spread},
     };
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         enc_data *data = hard_create(W, H, &d, &d, all[i].value, &one);
@@ -324,7 +299,7 @@ static void refine(void) {
         }
         float albedo[W * H];
         for (size_t t = 0; t < W * H; t++) {
-            albedo[t] = all[i].value == black_sample ? 0 : 0.1f + 0.05f * (float)t;
+            albedo[t] = all[i].value == hard_black ? 0 : 0.1f + 0.05f * (float)t;
             float *p = sbrdf->values + t * 8;
             p[0] = p[1] = p[2] = albedo[t] > 0 ? 1 : 0;
             p[3] = albedo[t];
@@ -360,9 +335,7 @@ static void refine(void) {
         if (all[i].hide == hide_all || all[i].hide == hide_one_view) {
             ok = ok && freed == 0; /* no visible point, no threshold */
         }
-        char input[96];
-        snprintf(input, sizeof input, "search for hidden points: %s", all[i].input);
-        cases_add(input,
+        cases_add(cases_text("search for hidden points: %s", all[i].input),
                   all[i].hide == hide_all || all[i].hide == hide_one_view
                       ? "without a visible point all stay hidden; no shift worse than none"
                       : "finite thresholds, no shift worse than none",
@@ -440,18 +413,18 @@ static void clusters(void) {
         int k, expected_k;
         bool exact; /* as many centres as different points: only codes are in the way */
     } all[] = {
-        {"no hidden point, no centre asked for", hide_none, noise_sample, &one, 0, 0, false},
-        {"no hidden point, 5 centres", hide_none, noise_sample, &one, 5, 0, false},
-        {"nothing but hidden points, 26 centres", hide_all, noise_sample, &one, 26, 26, false},
-        {"one view all hidden, 4 centres", hide_one_view, noise_sample, &one, 4, 4, false},
-        {"13 views with hidden points, 1 centre", hide_some, noise_sample, &one, 1, 1, false},
-        {"k far above the points", hide_some, noise_sample, &one, 65536, 130, true},
+        {"no hidden point, no centre asked for", hide_none, hard_noise, &one, 0, 0, false},
+        {"no hidden point, 5 centres", hide_none, hard_noise, &one, 5, 0, false},
+        {"nothing but hidden points, 26 centres", hide_all, hard_noise, &one, 26, 26, false},
+        {"one view all hidden, 4 centres", hide_one_view, hard_noise, &one, 4, 4, false},
+        {"13 views with hidden points, 1 centre", hide_some, hard_noise, &one, 1, 1, false},
+        {"k far above the points", hide_some, hard_noise, &one, 65536, 130, true},
         {"390 points, 3 different ones a view, k = 300", hide_all, three_profiles, &one, 300, 39, true},
-        {"black points only", hide_some, black_sample, &one, 20, 13, true},
-        {"points of 1e-12", hide_some, noise_sample, &dim, 26, 26, false},
-        {"denormal points", hide_some, noise_sample, &denormal, 26, 26, false},
-        {"points of up to 1e30", hide_some, noise_sample, &bright, 26, 26, false},
-        {"values from 1e-8 to 1e6", hide_some, wild_sample, &one, 26, 26, false},
+        {"black points only", hide_some, hard_black, &one, 20, 13, true},
+        {"points of 1e-12", hide_some, hard_noise, &dim, 26, 26, false},
+        {"denormal points", hide_some, hard_noise, &denormal, 26, 26, false},
+        {"points of up to 1e30", hide_some, hard_noise, &bright, 26, 26, false},
+        {"values from 1e-8 to 1e6", hide_some, hard_spread, &one, 26, 26, false},
     };
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         enc_data *data = hard_create(W, H, &d, &d, all[i].value, all[i].scale);
@@ -495,9 +468,7 @@ static void clusters(void) {
                 enc_centres_destroy(&c[r]);
             }
         }
-        char input[96];
-        snprintf(input, sizeof input, "clusters: %s", all[i].input);
-        cases_add(input,
+        cases_add(cases_text("clusters: %s", all[i].input),
                   all[i].exact ? "as many centres as different points, exact but for codes"
                   : fewer      ? "the centres asked for, a storable scale, no worse than black"
                                : "the centres asked for, a storable scale, no worse than one centre a view",

@@ -299,19 +299,13 @@ static void put_bdi(FILE *file, const bonn_spec *s) {
 }
 
 bonn_spec bonn_half_dfmf(int side, int n, const double (*directions)[2], unsigned k) {
-    return (bonn_spec){.form = BONN_DFMF,
-                       .signature = "!DFMF08FCR",
-                       .meta_version = 3,
-                       .cosine = true,
-                       .width = side,
-                       .height = side,
-                       .n_views = n,
-                       .n_lights = n,
-                       .views = directions,
-                       .lights = directions,
-                       .model = 11,
-                       .scalar = {2, 2, 2},
-                       .components = {k, k, k}};
+    /* clang-format off */
+    return (bonn_spec){
+        .form = BONN_DFMF, .signature = "!DFMF08FCR", .meta_version = 3, .cosine = true, .width = side,
+        .height = side, .n_views = n, .n_lights = n, .views = directions, .lights = directions, .model = 11,
+        .scalar = {2, 2, 2}, .components = {k, k, k},
+    };
+    /* clang-format on */
 }
 
 bool bonn_write(const char *path, const bonn_spec *s) {

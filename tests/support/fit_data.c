@@ -4,12 +4,7 @@
  */
 #include "fit_data.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
-
-#include <math.h>
+#include "test.h"
 
 uint32_t fit_random_state = 1;
 float fit_random(void) {

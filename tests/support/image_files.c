@@ -2,20 +2,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "image_files.h"
+
+#include "test.h"
 
 #include <openexr.h>
 #include <png.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 /* One component of a scan line in runs and literals. */
 static void put_new_runs(FILE *f, const unsigned char *rgbe, int width, int component) {

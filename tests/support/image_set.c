@@ -4,54 +4,22 @@
  */
 #include "image_set.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/png_image.h"
+#include "test.h"
 
-#include <ftw.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 const double set_views[VIEWS][2] = {{0, 0}, {30, 0}, {30, 120}, {75, 240}};
 const double set_lights[LIGHTS][2] = {{0, 0}, {15, 90}, {15, 270}, {45, 7.5}, {75, 345}};
 
-char set_folder[256];
-char set_messages[8192];
-
-static void keep_message(void *user, btf_log_level level, const char *text) {
-    (void)user;
-    const size_t used = strlen(set_messages);
-    snprintf(set_messages + used, sizeof set_messages - used, "%d: %s\n", (int)level, text);
-}
 enc_context set_context = {.log = {keep_message, NULL}, .threads = 2};
 const btf_log set_no_log = {NULL, NULL};
 
 int set_make_folder(void **state) {
-    (void)state;
-    const char *base = getenv("TMPDIR");
-    snprintf(set_folder, sizeof set_folder, "%s/btf-reader-XXXXXX", base && *base ? base : "/tmp");
-    set_messages[0] = '\0';
+    forget_messages();
     set_context.memory = 0;
     set_context.threads = 2;
-    return mkdtemp(set_folder) ? 0 : -1;
-}
-
-static int remove_entry(const char *path, const struct stat *status, int flag, struct FTW *ftw) {
-    (void)status;
-    (void)flag;
-    (void)ftw;
-    return remove(path);
-}
-
-int set_remove_folder(void **state) {
-    (void)state;
-    return nftw(set_folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+    return make_temporary_folder(state);
 }
 
 unsigned char set_code(int v, int l, int row, int column, int c) {
@@ -75,19 +43,20 @@ const char *set_name_of(custom naming, int v, int l, const char *extension) {
     sub[0] = '\0';
     switch (naming) {
     case UBO:
-        snprintf(sub, sizeof sub, "%s/tv%03g_pv%03g", set_folder, tv, pv);
+        snprintf(sub, sizeof sub, "%s/tv%03g_pv%03g", temporary_folder, tv, pv);
         snprintf(path, sizeof path, "%s/%05d tl%03g pl%03g tv%03g pv%03g.%s", sub, v * LIGHTS + l + 1, tl,
                  pl, tv, pv, extension);
         break;
     case UTIA:
-        snprintf(path, sizeof path, "%s/tl%03g_pl%03g_tv%03g_pv%03g.%s", set_folder, tl, pl, tv, pv,
+        snprintf(path, sizeof path, "%s/tl%03g_pl%03g_tv%03g_pv%03g.%s", temporary_folder, tl, pl, tv, pv,
                  extension);
         break;
     case BONN:
-        snprintf(path, sizeof path, "%s/TV%g-PV%g-TL%g-PL%.2f.%s", set_folder, tv, pv, tl, pl, extension);
+        snprintf(path, sizeof path, "%s/TV%g-PV%g-TL%g-PL%.2f.%s", temporary_folder, tv, pv, tl, pl,
+                 extension);
         break;
     case FOLDERS:
-        snprintf(sub, sizeof sub, "%s/tv=%g pv=%g", set_folder, tv, pv);
+        snprintf(sub, sizeof sub, "%s/tv=%g pv=%g", temporary_folder, tv, pv);
         snprintf(path, sizeof path, "%s/pl%.1f tl%.1f.%s", sub, pl, tl, extension);
         break;
     }
@@ -113,9 +82,9 @@ void set_write(custom naming) {
 
 enc_data *set_read_folder(const enc_read_options *options) {
     enc_data *data = NULL;
-    const btf_result result = enc_read(&set_context, set_folder, options, &data);
+    const btf_result result = enc_read(&set_context, temporary_folder, options, &data);
     if (result != BTF_OK) {
-        fail_msg("%s", set_messages);
+        fail_msg("%s", all_messages);
     }
     return data;
 }
@@ -123,13 +92,13 @@ enc_data *set_read_folder(const enc_read_options *options) {
 void set_expect_refused(const char *input, const enc_read_options *options, btf_result expected, ...) {
     enc_data *data = NULL;
     va_list words;
-    set_messages[0] = '\0';
+    all_messages[0] = '\0';
     assert_int_equal(enc_read(&set_context, input, options, &data), expected);
     assert_null(data);
     va_start(words, expected);
     for (const char *word; (word = va_arg(words, const char *));) {
-        if (!strstr(set_messages, word)) {
-            fail_msg("\"%s\" does not say \"%s\"", set_messages, word);
+        if (!strstr(all_messages, word)) {
+            fail_msg("\"%s\" does not say \"%s\"", all_messages, word);
         }
     }
     va_end(words);

@@ -6,6 +6,8 @@
 #define OPENBTF_TESTS_IMAGE_SET_H
 
 #include "encoder/input/reader.h"
+#include "messages.h"
+#include "temporary.h"
 
 enum { W = 5, H = 4, VIEWS = 4, LIGHTS = 5, PATH = 512 };
 
@@ -13,13 +15,11 @@ enum { W = 5, H = 4, VIEWS = 4, LIGHTS = 5, PATH = 512 };
 extern const double set_views[VIEWS][2], set_lights[LIGHTS][2];
 extern const btf_log set_no_log;
 
-/* Made by set_make_folder, which also empties the messages and gives the context its defaults: set-up and
- * tear-down of a cmocka test. */
-extern char set_folder[256];
-extern char set_messages[8192]; /* of the context, a line each: level, text */
+/* The log of the context is log_keep. */
 extern enc_context set_context;
+/* Makes temporary_folder, forgets messages, gives the context its defaults: set-up of a cmocka test. */
 int set_make_folder(void **state);
-int set_remove_folder(void **state);
+#define SET_TEST(name) TEST_WITH(name, set_make_folder, remove_temporary_folder)
 
 /* The 8-bit code of a sample, and all of an image: [row][column][channel]. */
 unsigned char set_code(int v, int l, int row, int column, int c);

@@ -80,22 +80,14 @@ void random_ubo2014(float out[151][3]) {
 btf_material_desc random_material_desc(uint32_t width, uint32_t height, uint32_t n_views, uint32_t n_lights,
                                        btf_layout layout, uint32_t effects) {
     btf_material_desc desc = {.struct_size = sizeof desc};
+    /* clang-format off */
     desc.info = (btf_material_info){
-        .struct_size = sizeof desc.info,
-        .width = width,
-        .height = height,
-        .n_views = n_views,
-        .n_lights = n_lights,
-        .layout = layout,
-        .effects = effects,
-        .lobes = 3,
-        .centres = effects & BTF_EFFECT_HIDDEN ? 7 : 0,
-        .components = effects & BTF_EFFECT_RESIDUAL ? 5 : 0,
-        .radiance_scale = 1,
-        .shadow_scale = 0x1p-7f,
-        .gain_scale = BTF_GAIN_SCALE,
-        .centre_scale = 0x1p-8f,
+        .struct_size = sizeof desc.info, .width = width, .height = height, .n_views = n_views,
+        .n_lights = n_lights, .layout = layout, .effects = effects, .lobes = 3,
+        .centres = effects & BTF_EFFECT_HIDDEN ? 7 : 0, .components = effects & BTF_EFFECT_RESIDUAL ? 5 : 0,
+        .radiance_scale = 1, .shadow_scale = 0x1p-7f, .gain_scale = BTF_GAIN_SCALE, .centre_scale = 0x1p-8f,
     };
+    /* clang-format on */
     if (effects & BTF_EFFECT_RELIEF) { /* from a texel below the plane to two above, and a bit */
         desc.info.relief_base = -256;
         desc.info.relief_step = 801;

@@ -219,32 +219,17 @@ static inline void make_material(uint32_t seed, uint32_t kind, uint32_t effects,
                                  made_storage *s, btf_ref_material *out_material) {
     uint32_t state = seed * 2654435761u + 1u;
     state = state != 0 ? state : 1;
+    /* clang-format off */
     btf_ref_material m = {
-        .width = MADE_WIDTH,
-        .height = MADE_HEIGHT,
-        .n_views = MADE_VIEWS,
-        .n_lights = MADE_LIGHTS,
-        .layout_tight = kind & 1,
-        .domain_sqrt = kind >> 1 & 1,
-        .half_float = kind >> 2 & 1,
-        .colour = (int)(kind >> 3) % 3,
-        .effects = effects,
-        .centres = MADE_CENTRES,
-        .atlas_width = MADE_ATLAS,
-        .atlas_height = MADE_ATLAS,
-        .maps = s->maps,
-        .shadow = s->shadow,
-        .shift = s->shift,
-        .gain = s->gain,
-        .centre = s->centre,
-        .residual_texels = s->residual_texels,
-        .residual_directions = s->residual_directions,
-        .residual_scales = s->residual_scales,
-        .view_table = s->view_table,
-        .light_table = s->light_table,
-        .view_grid = MADE_GRID,
-        .light_grid = 1,
+        .width = MADE_WIDTH, .height = MADE_HEIGHT, .n_views = MADE_VIEWS, .n_lights = MADE_LIGHTS,
+        .layout_tight = kind & 1, .domain_sqrt = kind >> 1 & 1, .half_float = kind >> 2 & 1,
+        .colour = (int)(kind >> 3) % 3, .effects = effects, .centres = MADE_CENTRES,
+        .atlas_width = MADE_ATLAS, .atlas_height = MADE_ATLAS, .maps = s->maps, .shadow = s->shadow,
+        .shift = s->shift, .gain = s->gain, .centre = s->centre, .residual_texels = s->residual_texels,
+        .residual_directions = s->residual_directions, .residual_scales = s->residual_scales,
+        .view_table = s->view_table, .light_table = s->light_table, .view_grid = MADE_GRID, .light_grid = 1,
     };
+    /* clang-format on */
     m.lobes = 1 + random_below(&state, 4);
     m.components = 1 + random_below(&state, MADE_COMPONENTS);
     m.radiance_scale = random_scale(&state, 1.5f, extreme);
@@ -444,6 +429,25 @@ static inline void make_relief(uint32_t seed, int extreme, made_relief *r, btf_r
         btf_ref_project(vector, views.vertices[view]);
     }
     make_table(&views, MADE_GRID, r->view_table);
+}
+
+/** A made-up material of any kind with relief and gloss, and what it points to. */
+typedef struct made_all {
+    btf_ref_material m;
+    made_storage storage;
+    made_factors factors;
+    made_relief relief;
+} made_all;
+
+static inline void make_all(uint32_t seed, int extreme, made_all *out) {
+    make_material(seed, seed | 1, seed % 3 ? 31 : seed / 3 % 32, extreme, &out->storage, &out->m);
+    if (seed % 2) {
+        make_factors(seed, extreme, &out->factors, &out->m);
+    }
+    if (seed % 7 == 3) {
+        make_points(seed, extreme, &out->storage, &out->m);
+    }
+    make_relief(seed, extreme, &out->relief, &out->m);
 }
 
 #endif

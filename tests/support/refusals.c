@@ -4,25 +4,7 @@
  */
 #include "refusals.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-char last_message[2048];
-int message_count;
-
-static void keep(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    snprintf(last_message, sizeof last_message, "%s", message);
-    message_count += message[0] != 0;
-}
-
-const btf_log log_keep = {keep, NULL};
+#include "test.h"
 
 btf_material *create_accepted(const btf_material_desc *desc) {
     btf_material *material;
@@ -63,6 +45,29 @@ btf_result open_edited(edit_file *file, btf_material **out_material) {
     assert_int_equal(result == BTF_OK, *out_material != NULL);
     free(data);
     return result;
+}
+
+saved save_material(const btf_material *material) {
+    saved file;
+    assert_int_equal(btf_material_save_memory(material, &log_keep, &file.data, &file.size), BTF_OK);
+    return file;
+}
+
+edit_file *take(const saved *file) {
+    return edit_load(file->data, file->size);
+}
+
+btf_material *open_accepted(edit_file *file) {
+    btf_material *material;
+    if (open_edited(file, &material)) {
+        fail_msg("refused: %s", last_message);
+    }
+    return material;
+}
+
+void file_accepted(edit_file *file) {
+    btf_material *material = open_accepted(file);
+    btf_material_close(&material);
 }
 
 void refused_as(edit_file *file, btf_result code, const char *text) {

@@ -6,14 +6,11 @@
 #define OPENBTF_TESTS_REFUSALS_H
 
 #include "exr_edit.h"
+#include "messages.h"
 #include <openbtf/material.h>
 #include <stdbool.h>
 
-/* The last message that log_keep heard, and how many of them since it was set to 0 (a refusal without a
- * word is a defect). */
-extern char last_message[2048];
-extern int message_count;
-extern const btf_log log_keep;
+/* Refusals are heard by log_keep; one without a word is a defect. */
 
 /* Creating must succeed; where it does not, the refusal is printed. */
 btf_material *create_accepted(const btf_material_desc *desc);
@@ -25,6 +22,18 @@ void create_refused(const btf_material_desc *desc, const char *text);
 btf_material_info accepted_info(const btf_material *material);
 bool accepted_texture(const btf_material *material, btf_texture_id id);
 
+/* A file in memory, freed with btf_free: of a material; as one to be edited. */
+typedef struct saved {
+    void *data;
+    size_t size;
+} saved;
+saved save_material(const btf_material *material);
+edit_file *take(const saved *file);
+
+/* The edited file must open. */
+btf_material *open_accepted(edit_file *file);
+void file_accepted(edit_file *file);
+
 /* Saves, opens, frees the edited file. */
 btf_result open_edited(edit_file *file, btf_material **out_material);
 
@@ -32,6 +41,13 @@ btf_result open_edited(edit_file *file, btf_material **out_material);
 void refused_as(edit_file *file, btf_result code, const char *text);
 /* The same with BTF_ERROR_BAD_FILE. */
 void file_refused(edit_file *file, const char *text);
+/* The file must be refused after a change, which knows it as e. */
+#define EDIT_REFUSED(file, change, text)                                                                   \
+    do {                                                                                                   \
+        edit_file *e = file;                                                                               \
+        change;                                                                                            \
+        file_refused(e, text);                                                                             \
+    } while (0)
 /* file_refused after a change of the floatvector openbtf.`name`: of one number (from the end where index is below
  * 0), or of their count. */
 void number_refused(edit_file *file, const char *name, int index, float value, const char *text);

@@ -7,17 +7,9 @@
 #include "tests/conformance/check.h"
 #include "tests/conformance/variant.h"
 #include "decoder/toolkit/reference_view.h"
+#include "tests/support/test.h"
 
 #include <openbtf/fold.h>
-
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static btf_material *make(const synthetic_spec *spec) {
     btf_material *material = NULL;
@@ -95,8 +87,7 @@ static uint64_t compare_texels(const btf_material *material, const btf_shader_op
     return different;
 }
 
-static void folded_reference_has_the_same_bits(void **state) {
-    (void)state;
+TEST(folded_reference_has_the_same_bits) {
     static variant list[VARIANT_MAX];
     uint64_t evaluated[4] = {0}, compared = 0;
     const size_t count = variant_pairwise(3, list);
@@ -137,8 +128,7 @@ static void folded_reference_has_the_same_bits(void **state) {
 }
 
 /* A sum of lights, of whole texels, is the sum of what is not folded; the library's has the bits of the reference's. */
-static void sums_of_lights_are_exact(void **state) {
-    (void)state;
+TEST(sums_of_lights_are_exact) {
     enum { LIGHTS = 5, TEXELS = 13 * 7 };
     static float one[TEXELS][4], sum[TEXELS][4];
     static uint32_t texels[TEXELS][4], total[TEXELS][4];
@@ -185,8 +175,7 @@ static void sums_of_lights_are_exact(void **state) {
 }
 
 /* Library and reference agree on which folds there are, and the library says why there is none. */
-static void undefined_folds_are_refused(void **state) {
-    (void)state;
+TEST(undefined_folds_are_refused) {
     static const struct {
         btf_colour colour;
         uint32_t effects;
@@ -236,8 +225,7 @@ static void undefined_folds_are_refused(void **state) {
 }
 
 /* A folded shader reads where, not what; the fold is as large as it says; and it costs less. */
-static void a_folded_shader_reads_less(void **state) {
-    (void)state;
+TEST(a_folded_shader_reads_less) {
     btf_material *material = make(&folds_of_roots);
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
@@ -273,8 +261,7 @@ static void a_folded_shader_reads_less(void **state) {
 }
 
 /* A plan says what of its scene can be folded, and what that takes of the restricted material. */
-static void plans_fold(void **state) {
-    (void)state;
+TEST(plans_fold) {
     const btf_range still = {.fixed = 1, .direction = {0.6f, 0, 0.8f}}, top = {.theta = {0, 20}};
     synthetic_spec spec = folds_of_roots;
     btf_plan plan;
@@ -357,8 +344,7 @@ static void plans_fold(void **state) {
 
 /* Gloss is left out where a light is still, the view is not, and the table says that it is worth less than the tolerance
  * between the samples: 0.11 dB here, half of how the error grows where samples are left out. */
-static void plans_weigh_gloss(void **state) {
-    (void)state;
+TEST(plans_weigh_gloss) {
     enum { EFFECTS = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
     static const float errors[] = {1, 1, 0, 90, 0, 90, EFFECTS, 2, 0, 0, 0, 0.001f, 0.001f};
     static const float between[] = {1,  1,    0,    90,   0,    90,                /* one band */
@@ -409,14 +395,4 @@ static void plans_weigh_gloss(void **state) {
     btf_material_close(&silent);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(folded_reference_has_the_same_bits),
-        cmocka_unit_test(sums_of_lights_are_exact),
-        cmocka_unit_test(undefined_folds_are_refused),
-        cmocka_unit_test(a_folded_shader_reads_less),
-        cmocka_unit_test(plans_fold),
-        cmocka_unit_test(plans_weigh_gloss),
-    };
-    return cmocka_run_group_tests_name("fold", tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

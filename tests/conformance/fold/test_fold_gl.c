@@ -6,15 +6,9 @@
 #include "tests/conformance/check.h"
 #include "tests/conformance/variant.h"
 #include "decoder/toolkit/reference_view.h"
+#include "tests/support/test.h"
 
 #include <openbtf/fold.h>
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
-#include <stdlib.h>
-#include <string.h>
 
 static btf_material *make(const synthetic_spec *spec) {
     btf_material *material = NULL;
@@ -22,8 +16,7 @@ static btf_material *make(const synthetic_spec *spec) {
     return material;
 }
 
-static void wrong_calls_are_refused(void **state) {
-    (void)state;
+TEST(wrong_calls_are_refused) {
     btf_material *material = make(&folds_of_roots);
     btf_shader_options shader = {.struct_size = sizeof shader,
                                  .leave_out = BTF_EFFECT_ALL & ~BTF_EFFECT_RESIDUAL};
@@ -113,8 +106,7 @@ static void check_second_state(const second_state *s, bool set) {
 
 /* The state of an application changes nothing of a fold, and is as it was: a scissor, masks, another
  * framebuffer and program, another draw buffer and viewport; the layers are what the reference keeps. */
-static void state_is_left_alone(void **state) {
-    (void)state;
+TEST(state_is_left_alone) {
     static const GLenum names[] = {
         GL_VIEWPORT,       GL_CURRENT_PROGRAM,          GL_DRAW_FRAMEBUFFER_BINDING,
         GL_SCISSOR_TEST,   GL_COLOR_WRITEMASK,          GL_VERTEX_ARRAY_BINDING,
@@ -178,8 +170,7 @@ static void state_is_left_alone(void **state) {
 }
 
 /* The texture that GL fills is the one that the CPU makes, whatever is folded. */
-static void gl_and_cpu_fold_the_same(void **state) {
-    (void)state;
+TEST(gl_and_cpu_fold_the_same) {
     enum { LIGHTS = 2, LEVELS = 3, MOST = 4 * 13 * 7 * 9 * LIGHTS };
     static uint32_t drawn[MOST];
     static const float light[LIGHTS][3] = {{0.6f, 0, 0.8f}, {-0.28f, 0, 0.96f}},
@@ -228,8 +219,7 @@ static void gl_and_cpu_fold_the_same(void **state) {
 }
 
 /* So are sums of lights, be their number odd or even: they are drawn into two textures in turn. */
-static void gl_and_cpu_add_the_same(void **state) {
-    (void)state;
+TEST(gl_and_cpu_add_the_same) {
     enum { LIGHTS = 3, SUMS = 2, LEVELS = 3, MOST = 4 * 13 * 7 };
     static uint32_t drawn[SUMS * MOST], sum[MOST];
     static const float light[LIGHTS][3] = {{0.6f, 0, 0.8f}, {-0.28f, 0, 0.96f}, {0, 0, 1}},
@@ -277,8 +267,7 @@ static void gl_and_cpu_add_the_same(void **state) {
 }
 
 /* Calls of the CPU's folds that are wrong, each in one thing. */
-static void wrong_rows_are_refused(void **state) {
-    (void)state;
+TEST(wrong_rows_are_refused) {
     static const float top[3] = {0, 0, 1};
     btf_material *material = make(&folds_of_roots);
     btf_evaluator *evaluator = NULL;
@@ -310,11 +299,4 @@ static void wrong_rows_are_refused(void **state) {
     btf_material_close(&material);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_calls_are_refused),  cmocka_unit_test(state_is_left_alone),
-        cmocka_unit_test(gl_and_cpu_fold_the_same), cmocka_unit_test(gl_and_cpu_add_the_same),
-        cmocka_unit_test(wrong_rows_are_refused),
-    };
-    return cmocka_run_group_tests_name("fold-gl", tests, gpu_group_setup, gpu_group_teardown);
-}
+RUN_TESTS(gpu_group_setup, gpu_group_teardown)

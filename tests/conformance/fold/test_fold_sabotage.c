@@ -5,15 +5,9 @@
 #include "folds.h"
 #include "tests/conformance/check.h"
 #include "tests/conformance/sabotage/tamper.h"
+#include "tests/support/test.h"
 
 #include <openbtf/fold.h>
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
-#include <stdbool.h>
-#include <string.h>
 
 static btf_material *make(const synthetic_spec *spec) {
     btf_material *material = NULL;
@@ -42,77 +36,34 @@ static const struct {
     synthetic_spec spec;
     btf_shader_options shader;
     uint64_t seed; /* check_fold_kind */
+    /* clang-format off */
 } subjects[] = {
     [LIGHT_OF_ROOTS] = {{ONE_UNIT, .seed = 31, .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF,
-                         .relief = SYNTHETIC_GENTLE},
-                        {.filter = BTF_FILTER_BILINEAR},
-                        1},
-    [LIGHT_OF_RADIANCE] = {{.seed = 32,
-                            .width = 11,
-                            .height = 5,
-                            .n_views = 9,
-                            .n_lights = 11,
-                            .layout = BTF_LAYOUT_PAPER,
-                            .domain = BTF_DOMAIN_SQRT,
-                            .colour = BTF_COLOUR_NONE,
-                            .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN |
-                                       BTF_EFFECT_RESIDUAL,
-                            .components = 4,
-                            .centres = 40,
-                            .directions = SYNTHETIC_RANDOM},
-                           {0},
-                           1},
-    [BOTH_OF_SBRDF] = {{.seed = 33,
-                        .width = 11,
-                        .height = 5,
-                        .n_views = 9,
-                        .n_lights = 11,
-                        .layout = BTF_LAYOUT_TIGHT,
-                        .colour = BTF_COLOUR_RGB,
-                        .lobes = 1,
-                        .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_GLOSS,
-                        .directions = SYNTHETIC_RANDOM,
-                        .gloss_share = 1},
-                       {.filter = BTF_FILTER_STEEP},
-                       4},
+     .relief = SYNTHETIC_GENTLE}, {.filter = BTF_FILTER_BILINEAR}, 1},
+    [LIGHT_OF_RADIANCE] = {{.seed = 32, .width = 11, .height = 5, .n_views = 9, .n_lights = 11,
+     .layout = BTF_LAYOUT_PAPER, .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_NONE,
+     .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL,
+     .components = 4, .centres = 40, .directions = SYNTHETIC_RANDOM}, {0}, 1},
+    [BOTH_OF_SBRDF] = {{.seed = 33, .width = 11, .height = 5, .n_views = 9, .n_lights = 11,
+     .layout = BTF_LAYOUT_TIGHT, .colour = BTF_COLOUR_RGB, .lobes = 1,
+     .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_GLOSS, .directions = SYNTHETIC_RANDOM, .gloss_share = 1},
+     {.filter = BTF_FILTER_STEEP}, 4},
     [BOTH_OF_LEVELS] = {{ONE_UNIT, .seed = 37, .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_GLOSS,
-                         .gloss_share = 1},
-                        {.interpolation = BTF_INTERPOLATION_LINEAR},
-                        4},
+     .gloss_share = 1}, {.interpolation = BTF_INTERPOLATION_LINEAR}, 4},
     [NEIGHBOURS_OF_ROOTS] = {{ONE_UNIT, .seed = 34,
-                              .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS,
-                              .relief = SYNTHETIC_GENTLE, .gloss_share = 1},
-                             {.filter = BTF_FILTER_BILINEAR},
-                             8},
-    [NEIGHBOURS_OF_SBRDF] = {{.seed = 35,
-                              .width = 11,
-                              .height = 5,
-                              .n_views = 9,
-                              .n_lights = 11,
-                              .layout = BTF_LAYOUT_TIGHT,
-                              .colour = BTF_COLOUR_RGB,
-                              .lobes = 1,
-                              .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_GLOSS,
-                              .directions = SYNTHETIC_RANDOM,
-                              .gloss_share = 2},
-                             {.interpolation = BTF_INTERPOLATION_LINEAR},
-                             8},
-    [NEIGHBOURS_OF_A_FIXED_VIEW] = {{.seed = 36,
-                                     .width = 11,
-                                     .height = 5,
-                                     .n_views = 9,
-                                     .n_lights = 11,
-                                     .layout = BTF_LAYOUT_TIGHT,
-                                     .colour = BTF_COLOUR_RGB,
-                                     .lobes = 1,
-                                     .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS,
-                                     .components = 4,
-                                     .directions = SYNTHETIC_RANDOM,
-                                     .relief = SYNTHETIC_GENTLE,
-                                     .gloss_share = 2},
-                                    {.interpolation = BTF_INTERPOLATION_LINEAR},
-                                    7},
+     .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS, .relief = SYNTHETIC_GENTLE,
+     .gloss_share = 1}, {.filter = BTF_FILTER_BILINEAR}, 8},
+    [NEIGHBOURS_OF_SBRDF] = {{.seed = 35, .width = 11, .height = 5, .n_views = 9, .n_lights = 11,
+     .layout = BTF_LAYOUT_TIGHT, .colour = BTF_COLOUR_RGB, .lobes = 1,
+     .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_GLOSS, .directions = SYNTHETIC_RANDOM, .gloss_share = 2},
+     {.interpolation = BTF_INTERPOLATION_LINEAR}, 8},
+    [NEIGHBOURS_OF_A_FIXED_VIEW] = {{.seed = 36, .width = 11, .height = 5, .n_views = 9, .n_lights = 11,
+     .layout = BTF_LAYOUT_TIGHT, .colour = BTF_COLOUR_RGB, .lobes = 1,
+     .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS, .components = 4,
+     .directions = SYNTHETIC_RANDOM, .relief = SYNTHETIC_GENTLE, .gloss_share = 2},
+     {.interpolation = BTF_INTERPOLATION_LINEAR}, 7},
 };
+/* clang-format on */
 enum { SUBJECTS = sizeof subjects / sizeof *subjects };
 
 static const sabotage list[] = {
@@ -226,15 +177,13 @@ static uint64_t differences(int subject) {
     return outcome.different;
 }
 
-static void untouched_passes(void **state) {
-    (void)state;
+TEST(untouched_passes) {
     for (int i = 0; i < SUBJECTS; ++i) {
         assert_int_equal(differences(i), 0);
     }
 }
 
-static void each_sabotage_is_caught(void **state) {
-    (void)state;
+TEST(each_sabotage_is_caught) {
     int missed = 0;
     for (size_t i = 0; i < sizeof list / sizeof *list; ++i) {
         in_pass = list[i].of_pass;
@@ -244,10 +193,4 @@ static void each_sabotage_is_caught(void **state) {
     assert_int_equal(missed, 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(untouched_passes),
-        cmocka_unit_test(each_sabotage_is_caught),
-    };
-    return cmocka_run_group_tests_name("fold-sabotage", tests, gpu_group_setup, gpu_group_teardown);
-}
+RUN_TESTS(gpu_group_setup, gpu_group_teardown)

@@ -5,16 +5,9 @@
  */
 #include "tests/conformance/check.h"
 #include "tests/conformance/synthetic.h"
+#include "tests/support/messages.h"
+#include "tests/support/test.h"
 #include "tamper.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <stdio.h>
-#include <string.h>
 
 /* The fault's name, where it must show ("" where only radiance can), and the change to the decoder's text.
  */
@@ -273,251 +266,81 @@ enum {
 static const struct {
     synthetic_spec spec;
     btf_shader_options shader;
+/* clang-format off */
 } subjects[] = {
-    {{.seed = 14,
-      .width = 11,
-      .height = 5,
-      .n_views = 7,
-      .n_lights = 9,
-      .layout = BTF_LAYOUT_TIGHT,
-      .domain = BTF_DOMAIN_SQRT,
-      .colour = BTF_COLOUR_MONO,
-      .lobes = 1,
-      .effects = BTF_EFFECT_VERSION_1,
-      .components = 4,
-      .centres = 40,
-      .directions = SYNTHETIC_RANDOM,
-      .levels = 4},
-     {0}},
-    {{.seed = 11,
-      .width = 31,
-      .height = 29,
-      .n_views = 81,
-      .n_lights = 13,
-      .layout = BTF_LAYOUT_PAPER,
-      .colour = BTF_COLOUR_MONO,
-      .lobes = 3,
-      .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN,
-      .centres = 6000,
-      .directions = SYNTHETIC_RANDOM},
-     {0}},
-    {{.seed = 12,
-      .width = 131,
-      .height = 9,
-      .n_views = 19,
-      .n_lights = 37,
-      .layout = BTF_LAYOUT_TIGHT,
-      .domain = BTF_DOMAIN_SQRT,
-      .colour = BTF_COLOUR_RGB,
-      .lobes = 2,
-      .effects = BTF_EFFECT_VERSION_1,
-      .components = 6,
-      .centres = 5000,
-      .directions = SYNTHETIC_RINGS,
-      .values = SYNTHETIC_EXTREME},
+    {{.seed = 14, .width = 11, .height = 5, .n_views = 7, .n_lights = 9, .layout = BTF_LAYOUT_TIGHT,
+     .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_MONO, .lobes = 1, .effects = BTF_EFFECT_VERSION_1,
+     .components = 4, .centres = 40, .directions = SYNTHETIC_RANDOM, .levels = 4}, {0}},
+    {{.seed = 11, .width = 31, .height = 29, .n_views = 81, .n_lights = 13, .layout = BTF_LAYOUT_PAPER,
+     .colour = BTF_COLOUR_MONO, .lobes = 3,
+     .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN, .centres = 6000,
+     .directions = SYNTHETIC_RANDOM}, {0}},
+    {{.seed = 12, .width = 131, .height = 9, .n_views = 19, .n_lights = 37, .layout = BTF_LAYOUT_TIGHT,
+     .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_RGB, .lobes = 2, .effects = BTF_EFFECT_VERSION_1,
+     .components = 6, .centres = 5000, .directions = SYNTHETIC_RINGS, .values = SYNTHETIC_EXTREME},
      {.filter = BTF_FILTER_BILINEAR, .components = 5}},
-    {{.seed = 13,
-      .width = 5,
-      .height = 3,
-      .n_views = 2,
-      .n_lights = 81,
-      .layout = BTF_LAYOUT_TIGHT,
-      .domain = BTF_DOMAIN_SQRT,
-      .colour = BTF_COLOUR_MONO,
-      .lobes = 1,
-      .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN,
-      .centres = 5000,
-      .directions = SYNTHETIC_COLLINEAR},
-     {.interpolation = BTF_INTERPOLATION_NEAREST, .leave_out = BTF_EFFECT_HIDDEN}},
-    [MIXED] = {{.seed = 15,
-                .width = 11,
-                .height = 5,
-                .n_views = 7,
-                .n_lights = 9,
-                .layout = BTF_LAYOUT_TIGHT,
-                .colour = BTF_COLOUR_NONE,
-                .effects = BTF_EFFECT_RESIDUAL,
-                .components = 3,
-                .directions = SYNTHETIC_RANDOM,
-                .classes = {{1, 1, 2}, {2, 2, 3}},
-                .horizon_scale = 3},
-               {0}},
-    [PACKED] = {{.seed = 16,
-                 .width = 11,
-                 .height = 6,
-                 .n_views = 7,
-                 .n_lights = 9,
-                 .layout = BTF_LAYOUT_TIGHT,
-                 .domain = BTF_DOMAIN_SQRT,
-                 .colour = BTF_COLOUR_NONE,
-                 .effects = BTF_EFFECT_RESIDUAL,
-                 .components = 6,
-                 .directions = SYNTHETIC_RANDOM,
-                 .levels = 3,
-                 .classes = {{0, 0, 0}, {0, 0, 0}, {2, 1, 0}, {2, 0, 1}, {2, 1, 0}}},
-                {.filter = BTF_FILTER_BILINEAR}},
-    [BOUNDS] = {{.seed = 17,
-                 .width = 11,
-                 .height = 5,
-                 .n_views = 7,
-                 .n_lights = 9,
-                 .layout = BTF_LAYOUT_TIGHT,
-                 .domain = BTF_DOMAIN_SQRT,
-                 .colour = BTF_COLOUR_MONO,
-                 .lobes = 1,
-                 .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_RESIDUAL,
-                 .components = 2,
-                 .centres = 9,
-                 .directions = SYNTHETIC_RANDOM,
-                 .classes = {{0, 0, 0}, {2, 0, 0}},
-                 .codes = SYNTHETIC_BOUNDS,
-                 .blend = BTF_BLEND_ROOTS,
-                 .horizon_scale = 4},
-                {0}},
-    [POINTS] = {{.seed = 18,
-                 .width = 70,
-                 .height = 67,
-                 .n_views = 7,
-                 .n_lights = 9,
-                 .layout = BTF_LAYOUT_TIGHT,
-                 .domain = BTF_DOMAIN_SQRT,
-                 .colour = BTF_COLOUR_NONE,
-                 .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL,
-                 .components = 2,
-                 .directions = SYNTHETIC_RANDOM,
-                 .levels = 3,
-                 .classes = {{0, 0, 0}, {0, 0, 0}, {2, 1, 0}},
-                 .horizon_scale = 4,
-                 .packed = 1},
-                {0}},
-    [LISTS] = {{.seed = 19,
-                .width = 11,
-                .height = 7,
-                .n_views = 9,
-                .n_lights = 5,
-                .layout = BTF_LAYOUT_TIGHT,
-                .colour = BTF_COLOUR_MONO,
-                .lobes = 1,
-                .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN,
-                .directions = SYNTHETIC_RANDOM,
-                .levels = 3,
-                .packed = 1,
-                .entries = 13},
-               {0}},
-    [RELIEF] = {{.seed = 20,
-                 .width = 11,
-                 .height = 7,
-                 .n_views = 19,
-                 .n_lights = 5,
-                 .layout = BTF_LAYOUT_TIGHT,
-                 .colour = BTF_COLOUR_MONO,
-                 .lobes = 1,
-                 .effects = BTF_EFFECT_RELIEF,
-                 .directions = SYNTHETIC_RANDOM,
-                 .levels = 3,
-                 .relief = SYNTHETIC_GENTLE,
-                 .relief_mixed = 1},
-                {0}},
-    [STEEP] = {{.seed = 21,
-                .width = 16,
-                .height = 8,
-                .n_views = 7,
-                .n_lights = 9,
-                .layout = BTF_LAYOUT_TIGHT,
-                .domain = BTF_DOMAIN_SQRT,
-                .colour = BTF_COLOUR_NONE,
-                .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS,
-                .components = 1,
-                .directions = SYNTHETIC_RANDOM,
-                .classes = {{0, 0, 0}, {0, 0, 0}, {1, 1, 0}},
-                .blend = BTF_BLEND_ROOTS,
-                .horizon_scale = 4,
-                .relief = SYNTHETIC_GENTLE,
-                .gloss_share = 1},
-               {.filter = BTF_FILTER_STEEP}},
-    [GLOSS] = {{.seed = 22,
-                .width = 5,
-                .height = 3,
-                .n_views = 19,
-                .n_lights = 37,
-                .layout = BTF_LAYOUT_TIGHT,
-                .colour = BTF_COLOUR_MONO,
-                .lobes = 1,
-                .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_GLOSS,
-                .directions = SYNTHETIC_RANDOM,
-                .gloss_share = 2},
-               {0}},
-    [PICK_ALL] = {{.seed = 24,
-                   .width = 16,
-                   .height = 11,
-                   .n_views = 7,
-                   .n_lights = 9,
-                   .layout = BTF_LAYOUT_TIGHT,
-                   .domain = BTF_DOMAIN_SQRT,
-                   .colour = BTF_COLOUR_NONE,
-                   .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS,
-                   .components = 1,
-                   .directions = SYNTHETIC_RANDOM,
-                   .levels = 3,
-                   .classes = {{0, 0, 0}, {0, 0, 0}, {1, 1, 0}},
-                   .blend = BTF_BLEND_ROOTS,
-                   .horizon_scale = 4,
-                   .relief = SYNTHETIC_GENTLE,
-                   .gloss_share = 2},
-                  {.filter = BTF_FILTER_BILINEAR, .picks = BTF_PICK_ALL}},
-    [PICK_VIEWS] = {{.seed = 25,
-                     .width = 5,
-                     .height = 3,
-                     .n_views = 9,
-                     .n_lights = 11,
-                     .layout = BTF_LAYOUT_TIGHT,
-                     .domain = BTF_DOMAIN_SQRT,
-                     .colour = BTF_COLOUR_MONO,
-                     .lobes = 1,
-                     .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN,
-                     .centres = 9,
-                     .directions = SYNTHETIC_RANDOM},
-                    {.filter = BTF_FILTER_BILINEAR, .picks = BTF_PICK_VIEW}},
-    [ENDING] = {{.seed = 23,
-                 .width = 13,
-                 .height = 9,
-                 .n_views = 7,
-                 .n_lights = 9,
-                 .layout = BTF_LAYOUT_TIGHT,
-                 .domain = BTF_DOMAIN_SQRT,
-                 .colour = BTF_COLOUR_NONE,
-                 .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF,
-                 .components = 1,
-                 .directions = SYNTHETIC_RANDOM,
-                 .levels = 3,
-                 .classes = {{0, 0, 0}, {0, 0, 0}, {1, 1, 0}},
-                 .blend = BTF_BLEND_ROOTS,
-                 .horizon_scale = 4,
-                 .relief = SYNTHETIC_GENTLE,
-                 .relief_end = 2},
-                {.filter = BTF_FILTER_BILINEAR}},
-    [DRAWN] = {{.seed = 4,
-                .width = 8,
-                .height = 8,
-                .n_views = 37,
-                .n_lights = 81,
-                .layout = BTF_LAYOUT_TIGHT,
-                .colour = BTF_COLOUR_RGB,
-                .lobes = 2},
-               {0}},
+    {{.seed = 13, .width = 5, .height = 3, .n_views = 2, .n_lights = 81, .layout = BTF_LAYOUT_TIGHT,
+     .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_MONO, .lobes = 1,
+     .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN, .centres = 5000,
+     .directions = SYNTHETIC_COLLINEAR}, {.interpolation = BTF_INTERPOLATION_NEAREST,
+     .leave_out = BTF_EFFECT_HIDDEN}},
+    [MIXED] = {{.seed = 15, .width = 11, .height = 5, .n_views = 7, .n_lights = 9,
+     .layout = BTF_LAYOUT_TIGHT, .colour = BTF_COLOUR_NONE, .effects = BTF_EFFECT_RESIDUAL, .components = 3,
+     .directions = SYNTHETIC_RANDOM, .classes = {{1, 1, 2}, {2, 2, 3}}, .horizon_scale = 3}, {0}},
+    [PACKED] = {{.seed = 16, .width = 11, .height = 6, .n_views = 7, .n_lights = 9,
+     .layout = BTF_LAYOUT_TIGHT, .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_NONE,
+     .effects = BTF_EFFECT_RESIDUAL, .components = 6, .directions = SYNTHETIC_RANDOM, .levels = 3,
+     .classes = {{0, 0, 0}, {0, 0, 0}, {2, 1, 0}, {2, 0, 1}, {2, 1, 0}}}, {.filter = BTF_FILTER_BILINEAR}},
+    [BOUNDS] = {{.seed = 17, .width = 11, .height = 5, .n_views = 7, .n_lights = 9,
+     .layout = BTF_LAYOUT_TIGHT, .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_MONO, .lobes = 1,
+     .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_RESIDUAL, .components = 2, .centres = 9,
+     .directions = SYNTHETIC_RANDOM, .classes = {{0, 0, 0}, {2, 0, 0}}, .codes = SYNTHETIC_BOUNDS,
+     .blend = BTF_BLEND_ROOTS, .horizon_scale = 4}, {0}},
+    [POINTS] = {{.seed = 18, .width = 70, .height = 67, .n_views = 7, .n_lights = 9,
+     .layout = BTF_LAYOUT_TIGHT, .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_NONE,
+     .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL, .components = 2,
+     .directions = SYNTHETIC_RANDOM, .levels = 3, .classes = {{0, 0, 0}, {0, 0, 0}, {2, 1, 0}},
+     .horizon_scale = 4, .packed = 1}, {0}},
+    [LISTS] = {{.seed = 19, .width = 11, .height = 7, .n_views = 9, .n_lights = 5,
+     .layout = BTF_LAYOUT_TIGHT, .colour = BTF_COLOUR_MONO, .lobes = 1,
+     .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, .directions = SYNTHETIC_RANDOM, .levels = 3,
+     .packed = 1, .entries = 13}, {0}},
+    [RELIEF] = {{.seed = 20, .width = 11, .height = 7, .n_views = 19, .n_lights = 5,
+     .layout = BTF_LAYOUT_TIGHT, .colour = BTF_COLOUR_MONO, .lobes = 1, .effects = BTF_EFFECT_RELIEF,
+     .directions = SYNTHETIC_RANDOM, .levels = 3, .relief = SYNTHETIC_GENTLE, .relief_mixed = 1}, {0}},
+    [STEEP] = {{.seed = 21, .width = 16, .height = 8, .n_views = 7, .n_lights = 9,
+     .layout = BTF_LAYOUT_TIGHT, .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_NONE,
+     .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS, .components = 1,
+     .directions = SYNTHETIC_RANDOM, .classes = {{0, 0, 0}, {0, 0, 0}, {1, 1, 0}}, .blend = BTF_BLEND_ROOTS,
+     .horizon_scale = 4, .relief = SYNTHETIC_GENTLE, .gloss_share = 1}, {.filter = BTF_FILTER_STEEP}},
+    [GLOSS] = {{.seed = 22, .width = 5, .height = 3, .n_views = 19, .n_lights = 37,
+     .layout = BTF_LAYOUT_TIGHT, .colour = BTF_COLOUR_MONO, .lobes = 1,
+     .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_GLOSS, .directions = SYNTHETIC_RANDOM, .gloss_share = 2},
+     {0}},
+    [PICK_ALL] = {{.seed = 24, .width = 16, .height = 11, .n_views = 7, .n_lights = 9,
+     .layout = BTF_LAYOUT_TIGHT, .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_NONE,
+     .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS, .components = 1,
+     .directions = SYNTHETIC_RANDOM, .levels = 3, .classes = {{0, 0, 0}, {0, 0, 0}, {1, 1, 0}},
+     .blend = BTF_BLEND_ROOTS, .horizon_scale = 4, .relief = SYNTHETIC_GENTLE, .gloss_share = 2},
+     {.filter = BTF_FILTER_BILINEAR, .picks = BTF_PICK_ALL}},
+    [PICK_VIEWS] = {{.seed = 25, .width = 5, .height = 3, .n_views = 9, .n_lights = 11,
+     .layout = BTF_LAYOUT_TIGHT, .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_MONO, .lobes = 1,
+     .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN, .centres = 9,
+     .directions = SYNTHETIC_RANDOM}, {.filter = BTF_FILTER_BILINEAR, .picks = BTF_PICK_VIEW}},
+    [ENDING] = {{.seed = 23, .width = 13, .height = 9, .n_views = 7, .n_lights = 9,
+     .layout = BTF_LAYOUT_TIGHT, .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_NONE,
+     .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF, .components = 1, .directions = SYNTHETIC_RANDOM,
+     .levels = 3, .classes = {{0, 0, 0}, {0, 0, 0}, {1, 1, 0}}, .blend = BTF_BLEND_ROOTS,
+     .horizon_scale = 4, .relief = SYNTHETIC_GENTLE, .relief_end = 2}, {.filter = BTF_FILTER_BILINEAR}},
+    [DRAWN] = {{.seed = 4, .width = 8, .height = 8, .n_views = 37, .n_lights = 81,
+     .layout = BTF_LAYOUT_TIGHT, .colour = BTF_COLOUR_RGB, .lobes = 2}, {0}},
 };
+/* clang-format on */
 enum { SUBJECTS = sizeof subjects / sizeof *subjects, COUNT = 6000 };
 
 static gpu *device;
 static btf_material *materials[SUBJECTS];
 static int drawn; /* light sampling is what is broken */
-
-static void say_error(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    fprintf(stderr, "%s\n", message);
-}
-static const btf_log log_errors = {say_error, NULL};
 
 /* Every place that holds the words is changed. */
 static const char *tamper(char *text) {
@@ -533,7 +356,7 @@ static uint64_t differences(int subject, const char *step) {
                        .material = materials[subject],
                        .shader = &shader,
                        .tamper = tamper,
-                       .log = &log_errors};
+                       .log = &log_print};
     check_outcome outcome = {0};
     btf_result result = step               ? check_steps(&s, 5, COUNT, step, &outcome)
                         : subject == DRAWN ? check_sampling(&s, 8, COUNT, &outcome)
@@ -543,8 +366,7 @@ static uint64_t differences(int subject, const char *step) {
     return outcome.different;
 }
 
-static void untouched_passes(void **state) {
-    (void)state;
+TEST(untouched_passes) {
     for (int i = 0; i < SUBJECTS; ++i) {
         assert_int_equal(differences(i, NULL), 0);
         for (int s = 0; check_step_names[s]; ++s) {
@@ -553,8 +375,7 @@ static void untouched_passes(void **state) {
     }
 }
 
-static void each_is_caught(void **state) {
-    (void)state;
+TEST(each_is_caught) {
     int missed = 0;
     for (int i = 0; i < SABOTAGES + SABOTAGES_2 + SABOTAGES_3 + SABOTAGES_4 + SABOTAGES_5; ++i) {
         const int later = i - SABOTAGES;
@@ -581,7 +402,7 @@ static int setup(void **state) {
     (void)state;
     device = gpu_create_or_skip(&context_devices[0]);
     for (int i = 0; i < SUBJECTS; ++i) {
-        if (synthetic_create(&subjects[i].spec, &log_errors, &materials[i]) != BTF_OK) {
+        if (synthetic_create(&subjects[i].spec, &log_print, &materials[i]) != BTF_OK) {
             return -1;
         }
     }
@@ -597,8 +418,4 @@ static int teardown(void **state) {
     return 0;
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(untouched_passes),
-                                       cmocka_unit_test(each_is_caught)};
-    return cmocka_run_group_tests_name("sabotage", tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

@@ -7,16 +7,10 @@
 #include "encoder/base/ranks.h"
 #include "encoder/input/notices.h"
 #include "encoder/job/settings.h"
+#include "tests/support/test.h"
 
-#include <math.h>
 #include <openbtf/material.h>
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
 
 enum { MOST_RANKS = 5, SIDE = 12, VIEWS = 7, LIGHTS = 7 };
 
@@ -148,8 +142,7 @@ static void run_ranks(int size, void (*run)(const enc_context *, void *), void *
     pthread_barrier_destroy(&in.barrier);
 }
 
-static void test_alone(void **state) {
-    (void)state;
+TEST(test_alone) {
     size_t first, end, count;
     int values[3] = {1, 2, 3};
     const enc_context context = {.threads = 1};
@@ -243,8 +236,7 @@ static void check_transfers(const enc_context *context, void *user) {
                                            (rank > 0 ? sizeof text : 0));
 }
 
-static void test_ranges_and_transfers(void **state) {
-    (void)state;
+TEST(test_ranges_and_transfers) {
     void *const users[MOST_RANKS] = {NULL};
     for (int size = 1; size <= MOST_RANKS; size++) {
         run_ranks(size, check_ranges, users, NULL);
@@ -274,8 +266,7 @@ static void check_notices(const enc_context *context, void *user) {
     enc_notices_destroy(&notices);
 }
 
-static void test_notices(void **state) {
-    (void)state;
+TEST(test_notices) {
     char logs[3][512] = {"", "", ""};
     run_ranks(3, check_notices, (void *[]){logs[0], logs[1], logs[2]}, NULL);
     for (int r = 0; r < 3; r++) {
@@ -311,8 +302,7 @@ static void fail_all(const enc_context *context, void *user) {
     assert_int_equal(enc_ranks_agree(context, result), BTF_ERROR_IO);
 }
 
-static void test_failures(void **state) {
-    (void)state;
+TEST(test_failures) {
     void *const users[MOST_RANKS] = {NULL};
     char logs[MOST_RANKS][512];
     run_ranks(4, fail_one, users, logs);
@@ -455,23 +445,20 @@ static void check_bits(found alone, const int *sizes, int count) {
     enc_solution_clear(&alone.solution);
 }
 
-static void test_joint_has_the_bits_of_one(void **state) {
-    (void)state;
+TEST(test_joint_has_the_bits_of_one) {
     const int sizes[] = {2, 3};
     check_bits((found){.stray = false}, sizes, 2);
     check_bits((found){.match = true}, sizes, 2);
 }
 
-static void test_paper_has_the_bits_of_one(void **state) {
-    (void)state;
+TEST(test_paper_has_the_bits_of_one) {
     const int sizes[] = {2, 5};
     check_bits((found){.paper = true}, sizes, 2);
     check_bits((found){.paper = true, .stray = true}, sizes, 2); /* the diffuse fit is taken */
 }
 
 /* The worse of two results is the same whichever thread comes first, and only what went well twice is BTF_OK. */
-static void test_keeps_the_worse_result(void **state) {
-    (void)state;
+TEST(test_keeps_the_worse_result) {
     for (int a = BTF_OK; a <= BTF_ERROR_INTERRUPTED; a++) {
         for (int b = BTF_OK; b <= BTF_ERROR_INTERRUPTED; b++) {
             btf_result first = (btf_result)a, second = (btf_result)b;
@@ -489,15 +476,4 @@ static void test_keeps_the_worse_result(void **state) {
     assert_int_equal(result, BTF_ERROR_INTERRUPTED);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_keeps_the_worse_result),
-        cmocka_unit_test(test_alone),
-        cmocka_unit_test(test_ranges_and_transfers),
-        cmocka_unit_test(test_notices),
-        cmocka_unit_test(test_failures),
-        cmocka_unit_test(test_joint_has_the_bits_of_one),
-        cmocka_unit_test(test_paper_has_the_bits_of_one),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

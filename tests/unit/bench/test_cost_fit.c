@@ -2,18 +2,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "tests/bench/plan/cost_fit.h"
 #include "tests/conformance/random.h"
-
-#include <math.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 enum { SAMPLES = 60 };
 
@@ -51,8 +42,7 @@ static void make_samples(double noise, cost_sample samples[SAMPLES]) {
     }
 }
 
-static void prices_are_found_again(void **state) {
-    (void)state;
+TEST(prices_are_found_again) {
     cost_sample samples[SAMPLES];
     btf_cost_model found;
     make_samples(0, samples);
@@ -63,8 +53,7 @@ static void prices_are_found_again(void **state) {
     BTF_COST_LIST(SAME)
 }
 
-static void noise_moves_them_little(void **state) {
-    (void)state;
+TEST(noise_moves_them_little) {
     cost_sample samples[SAMPLES];
     btf_cost_model found;
     make_samples(0.05, samples);
@@ -76,8 +65,7 @@ static void noise_moves_them_little(void **state) {
 }
 
 /* A count whose best price were below 0 costs nothing, and the others make up for it. */
-static void none_is_below_zero(void **state) {
-    (void)state;
+TEST(none_is_below_zero) {
     cost_sample samples[SAMPLES];
     btf_cost_model found;
     make_samples(0, samples);
@@ -93,8 +81,7 @@ static void none_is_below_zero(void **state) {
 }
 
 /* A count that no sample has. */
-static void unknown_counts_cost_nothing(void **state) {
-    (void)state;
+TEST(unknown_counts_cost_nothing) {
     cost_sample samples[SAMPLES];
     btf_cost_model found;
     make_samples(0, samples);
@@ -106,9 +93,4 @@ static void unknown_counts_cost_nothing(void **state) {
     assert_true(found.move == 0 && fabs(found.look_up - made.look_up) < 1e-4);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(prices_are_found_again), cmocka_unit_test(noise_moves_them_little),
-        cmocka_unit_test(none_is_below_zero), cmocka_unit_test(unknown_counts_cost_nothing)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -2,16 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "tests/bench/decode/decode_cost.h"
-
-#include <string.h>
+#include "tests/support/test.h"
 
 static void expect(decode_cost cost, int fetches, int bytes, int integers, int floats) {
     assert_int_equal((int)cost.fetches, fetches);
@@ -42,8 +34,7 @@ static btf_material_info factors_info(const uint32_t classes[BTF_FACTOR_CLASSES]
 }
 
 /* 14 groups in 3 views: 9 texels of V, one of U and of the scales each; 3 texels of the maps. */
-static void test_components(void **state) {
-    (void)state;
+TEST(test_components) {
     const btf_material_info info = components_info(56);
     btf_shader_options shader = {0};
     expect(decode_cost_of(&info, &shader), 42 * 11 + 3, 42 * (9 * 4 + 16 + 4) + 3 * 4, 42 * 72, 42 * 48);
@@ -67,8 +58,7 @@ static void test_components(void **state) {
 }
 
 /* One unit of Y in class 2: u takes 4 words of 19 operations and 5 more; a dot product 4 of 15 and 5. */
-static void test_unit(void **state) {
-    (void)state;
+TEST(test_unit) {
     const uint32_t classes[BTF_FACTOR_CLASSES][3] = {[2] = {1, 0, 0}};
     const btf_material_info info = factors_info(classes, 0);
     btf_shader_options shader = {.interpolation = BTF_INTERPOLATION_NEAREST};
@@ -82,8 +72,7 @@ static void test_unit(void **state) {
 }
 
 /* One word of colour makes a unit be evaluated word by word: four sums, conversions and scales. */
-static void test_mixed(void **state) {
-    (void)state;
+TEST(test_mixed) {
     const uint32_t classes[BTF_FACTOR_CLASSES][3] = {[2] = {1, 1, 0}};
     const btf_material_info info = factors_info(classes, 0);
     const btf_shader_options shader = {0};
@@ -91,8 +80,7 @@ static void test_mixed(void **state) {
 }
 
 /* With relief u is read for each view, the scales once; 9 steps of a march, and of one for each of three views. */
-static void test_relief(void **state) {
-    (void)state;
+TEST(test_relief) {
     const uint32_t classes[BTF_FACTOR_CLASSES][3] = {[2] = {1, 0, 0}};
     btf_material_info info = factors_info(classes, BTF_EFFECT_RELIEF);
     btf_shader_options shader = {0};
@@ -112,8 +100,7 @@ static void test_relief(void **state) {
 
 /* Codes are read twice where sources are found before views are shown. Gloss moves each view's light: 60 operations and a
  * power. No light is fixed then. */
-static void test_between(void **state) {
-    (void)state;
+TEST(test_between) {
     const uint32_t classes[BTF_FACTOR_CLASSES][3] = {[2] = {1, 0, 0}};
     btf_material_info info = factors_info(classes, BTF_EFFECT_RELIEF | BTF_EFFECT_SHIFT);
     btf_shader_options shader = {0};
@@ -126,8 +113,7 @@ static void test_between(void **state) {
 }
 
 /* Where each view has a source of its own, u and the scales are read for each, with a shift. */
-static void test_shift(void **state) {
-    (void)state;
+TEST(test_shift) {
     const uint32_t classes[BTF_FACTOR_CLASSES][3] = {[2] = {1, 0, 0}};
     const btf_material_info info = factors_info(classes, BTF_EFFECT_SHIFT);
     btf_shader_options shader = {0};
@@ -146,8 +132,7 @@ static void test_shift(void **state) {
 
 /* 13 units: 117 texels of w, 15 of u, 13 of scales and 9 of the views' factors. Operations of integers: in
  * each view and light 917 of the dot products by class, 384 of the blend of lights, 1184 that expand u. */
-static void test_units(void **state) {
-    (void)state;
+TEST(test_units) {
     const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{2, 2, 1}, {1, 0, 0}, {5, 0, 0}, {1, 0, 0}, {4, 0, 0}};
     const btf_material_info info = factors_info(classes, 0);
     btf_shader_options shader = {0};
@@ -172,8 +157,7 @@ static void test_units(void **state) {
 
 /* Three lobes of mono: 4 texels of parameters, 3 lights' shadows; a power is 35 float operations,
  * natively 3. */
-static void test_sbrdf(void **state) {
-    (void)state;
+TEST(test_sbrdf) {
     const btf_material_info info = {
         .layout = BTF_LAYOUT_PAPER, .colour = BTF_COLOUR_MONO, .lobes = 3, .effects = BTF_EFFECT_SHADOW};
     btf_shader_options shader = {0};
@@ -187,16 +171,9 @@ static void test_sbrdf(void **state) {
     expect(decode_cost_of(&rgb, &shader), 3 * 5, 3 * 5 * 8, 3 * 2 * 6, 3 * 2 * (35 + 11));
 }
 
-static void test_peers(void **state) {
-    (void)state;
+TEST(test_peers) {
     expect(decode_cost_pca(10), 3 * 29, 3 * (28 * 4 + 16), 0, 3 * 356);
     expect(decode_cost_lookup(), 9, 36, 0, 54);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_components), cmocka_unit_test(test_unit),
-                                       cmocka_unit_test(test_mixed),      cmocka_unit_test(test_relief), cmocka_unit_test(test_between), cmocka_unit_test(test_shift),
-                                       cmocka_unit_test(test_units),      cmocka_unit_test(test_sbrdf),
-                                       cmocka_unit_test(test_peers)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

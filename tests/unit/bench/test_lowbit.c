@@ -3,28 +3,14 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/report/metrics.h"
 #include "tests/bench/codecs/lowbit.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 enum { SIDE = 16, VIEWS = 13, LIGHTS = 13, TEXELS = SIDE * SIDE, COLUMNS = VIEWS * LIGHTS, TERMS = 40 };
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
-
-static float uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (float)(*state >> 8) * 0x1p-24f;
-}
 
 static enc_data *empty(void) {
     enc_direction directions[VIEWS];
@@ -96,8 +82,7 @@ static double psnr(const enc_data *data, size_t budget, bool eight_only, int swe
 }
 
 /* More bytes are better; at 4 times the bytes of every component in 8 bits nothing is lost but rounding. */
-static void test_budgets(void **state) {
-    (void)state;
+TEST(test_budgets) {
     enc_data *data = textured(0.1f);
     double last = 0;
     for (size_t budget = 2000; budget <= 32000; budget *= 2) {
@@ -110,8 +95,7 @@ static void test_budgets(void **state) {
 }
 
 /* At equal bytes low bits beat 8 bits, and each round of descent helps. */
-static void test_low_bits_and_descent_pay(void **state) {
-    (void)state;
+TEST(test_low_bits_and_descent_pay) {
     enc_data *data = textured(0.1f);
     const size_t budget = 8000;
     const double eight = psnr(data, budget, true, 4), nearest = psnr(data, budget, false, 0),
@@ -140,8 +124,7 @@ static size_t distinct(const float *values, size_t count) {
 
 /* A factor of b bits has 2^b levels at most (a view of w: its step is the view's), and its bytes are b / 8
  * a number, two floats a component, a byte a view for the numbers of bits that occur. */
-static void test_levels_and_bytes(void **state) {
-    (void)state;
+TEST(test_levels_and_bytes) {
     enc_data *data = textured(0.1f);
     lowbit_codec codec = encode(&two, data, 8000, false, 2);
     size_t bytes = 0, kinds = 0;
@@ -167,8 +150,7 @@ static void test_levels_and_bytes(void **state) {
 }
 
 /* Grey data take no component of colour; tinted ones do, fewer than of brightness. */
-static void test_colour(void **state) {
-    (void)state;
+TEST(test_colour) {
     enc_data *data = textured(0);
     lowbit_codec codec = encode(&two, data, 8000, false, 1);
     assert_true(lowbit_rank(&codec, PCA_LUMA) > 0);
@@ -188,8 +170,7 @@ static void test_colour(void **state) {
 }
 
 /* The same bits from one thread and from two. */
-static void test_threads(void **state) {
-    (void)state;
+TEST(test_threads) {
     enc_data *data = textured(0.1f);
     lowbit_codec a = encode(&one, data, 6000, false, 2), b = encode(&two, data, 6000, false, 2);
     for (int p = 0; p < 3; p++) {
@@ -203,8 +184,7 @@ static void test_threads(void **state) {
 }
 
 /* Black data, data of one value, and budgets that hold nothing. */
-static void test_degenerate(void **state) {
-    (void)state;
+TEST(test_degenerate) {
     enc_data *data = empty();
     const lowbit_options options = {.budget = 8000, .sweeps = 1}, small = {.budget = 100, .sweeps = 1};
     lowbit_codec codec;
@@ -220,11 +200,4 @@ static void test_degenerate(void **state) {
     enc_data_destroy(&data);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_budgets),          cmocka_unit_test(test_low_bits_and_descent_pay),
-        cmocka_unit_test(test_levels_and_bytes), cmocka_unit_test(test_colour),
-        cmocka_unit_test(test_threads),          cmocka_unit_test(test_degenerate),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

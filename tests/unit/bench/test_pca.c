@@ -3,19 +3,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/report/metrics.h"
 #include "tests/bench/codecs/pca.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 enum {
     SIDE = 12,
@@ -27,11 +18,6 @@ enum {
 };
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
-
-static float uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (float)(*state >> 8) * 0x1p-24f;
-}
 
 static enc_data *empty(void) {
     enc_direction views[VIEWS], lights[LIGHTS];
@@ -108,8 +94,7 @@ static pca_factors factorise(const enc_context *context, const enc_data *data, p
 }
 
 /* A matrix of rank 5 is its five components, whose rows are orthonormal, and nothing more. */
-static void test_recovers(void **state) {
-    (void)state;
+TEST(test_recovers) {
     enc_data *data = low_rank(5, false);
     pca_factors f = factorise(&two, data, PCA_LINEAR, 8);
     assert_int_equal(f.rank, 8);
@@ -146,8 +131,7 @@ static void test_recovers(void **state) {
 }
 
 /* Eckart and Young: the error is what the left-out components hold, for every rank; so it never rises. */
-static void test_ranks(void **state) {
-    (void)state;
+TEST(test_ranks) {
     enc_data *data = noise();
     enc_data *clipped = noise();
     double energy = 0, last = HUGE_VAL;
@@ -183,8 +167,7 @@ static void test_ranks(void **state) {
 }
 
 /* Decoded PSNR rises with the rank, in every coding and in both kinds of numbers. */
-static void test_psnr_rises(void **state) {
-    (void)state;
+TEST(test_psnr_rises) {
     enc_data *data = noise();
     for (int coding = PCA_LINEAR; coding <= PCA_SQRT; coding++) {
         pca_factors f = factorise(&two, data, (pca_coding)coding, 64);
@@ -205,8 +188,7 @@ static void test_psnr_rises(void **state) {
 
 /* Where 48 of 144 components are kept, rounding to 8 bits costs less than 0.2 dB, and to halves less than
  * 0.01. */
-static void test_rounding(void **state) {
-    (void)state;
+TEST(test_rounding) {
     enc_data *data = noise();
     pca_factors f = factorise(&two, data, PCA_LINEAR, 48);
     double error = 0;
@@ -238,8 +220,7 @@ static void test_rounding(void **state) {
 }
 
 /* Data made of two subspaces of rank 3: two clusters of rank 3 hold it, one does not. */
-static void test_clusters(void **state) {
-    (void)state;
+TEST(test_clusters) {
     enc_data *data = low_rank(3, true);
     pca_factors f = factorise(&two, data, PCA_LINEAR, 12);
     pca_codec codec;
@@ -256,8 +237,7 @@ static void test_clusters(void **state) {
 }
 
 /* Half floats: 2 bytes a number. Bytes: one, and a float scale for each column of u and row of v. */
-static void test_bytes(void **state) {
-    (void)state;
+TEST(test_bytes) {
     enc_data *data = empty();
     assert_int_equal(pca_bytes(data, PCA_HALF, 1, 10), 10 * 2 * (TEXELS + COLUMNS));
     assert_int_equal(pca_bytes(data, PCA_BYTE, 1, 10), 10 * (TEXELS + COLUMNS) + 10 * 2 * 4);
@@ -270,8 +250,7 @@ static void test_bytes(void **state) {
 }
 
 /* The same bits from one thread and from two. */
-static void test_threads(void **state) {
-    (void)state;
+TEST(test_threads) {
     enc_data *data = noise();
     pca_factors a = factorise(&one, data, PCA_SRGB, 40), b = factorise(&two, data, PCA_SRGB, 40);
     assert_memory_equal(a.u, b.u, TEXELS * a.rank * sizeof *a.u);
@@ -290,8 +269,7 @@ static void test_threads(void **state) {
 }
 
 /* Data that have no more than rank 1, and a rank beyond the number of texels. */
-static void test_degenerate(void **state) {
-    (void)state;
+TEST(test_degenerate) {
     enc_data *data = empty();
     pca_factors f = factorise(&two, data, PCA_SRGB, 1000);
     assert_int_equal(f.rank, TEXELS);
@@ -308,12 +286,4 @@ static void test_degenerate(void **state) {
     enc_data_destroy(&data);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_recovers),   cmocka_unit_test(test_ranks),
-        cmocka_unit_test(test_psnr_rises), cmocka_unit_test(test_rounding),
-        cmocka_unit_test(test_clusters),   cmocka_unit_test(test_bytes),
-        cmocka_unit_test(test_threads),    cmocka_unit_test(test_degenerate),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -3,13 +3,6 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/exr_image.h"
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/between/decode.h"
@@ -17,11 +10,7 @@
 #include "encoder/report/between.h"
 #include "tests/support/image_set.h"
 #include "tests/support/random_material.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 enum { COUNT = 6 };
 static const enc_read_options defaults;
@@ -36,7 +25,7 @@ static void write_image(const char *name, int width, int height, float value) {
     for (int i = 0; i < 3 * width * height; i++) {
         pixels[i] = value;
     }
-    snprintf(path, sizeof path, "%s/%s", set_folder, name);
+    snprintf(path, sizeof path, "%s/%s", temporary_folder, name);
     assert_int_equal(exr_image_write(path, width, height, pixels, false, set_no_log), BTF_OK);
     free(pixels);
 }
@@ -55,18 +44,16 @@ static void write_pairs(void) {
 
 static void expect_set(enc_image_set expected) {
     enc_image_set set;
-    assert_int_equal(enc_pairs_classify(&set_context, set_folder, &defaults, &set), BTF_OK);
+    assert_int_equal(enc_pairs_classify(&set_context, temporary_folder, &defaults, &set), BTF_OK);
     assert_int_equal(set, expected);
 }
 
-static void test_what_a_set_is(void **state) {
-    (void)state;
+SET_TEST(test_what_a_set_is) {
     write_pairs();
     expect_set(ENC_SET_PAIRS);
 }
 
-static void test_a_grid_is_a_grid(void **state) {
-    (void)state;
+SET_TEST(test_a_grid_is_a_grid) {
     char path[PATH];
     set_write(FOLDERS);
     expect_set(ENC_SET_GRID);
@@ -77,8 +64,7 @@ static void test_a_grid_is_a_grid(void **state) {
 }
 
 /* A slow orbit of the light under one view is a grid of 1 x 4, but without a view from the top no data set. */
-static void test_an_orbit_is_pairs(void **state) {
-    (void)state;
+SET_TEST(test_an_orbit_is_pairs) {
     for (int i = 0; i < 4; i++) {
         write_image(name_of((const double[4]){30, 90 * i, 40, 0}), W, H, 0.5f);
     }
@@ -87,14 +73,13 @@ static void test_an_orbit_is_pairs(void **state) {
 
 static enc_pairs *open_pairs(const enc_read_options *options) {
     enc_pairs *pairs = NULL;
-    if (enc_pairs_open(&set_context, set_folder, options, &pairs) != BTF_OK) {
-        fail_msg("not opened: %s", set_messages);
+    if (enc_pairs_open(&set_context, temporary_folder, options, &pairs) != BTF_OK) {
+        fail_msg("not opened: %s", all_messages);
     }
     return pairs;
 }
 
-static void test_names_and_values(void **state) {
-    (void)state;
+SET_TEST(test_names_and_values) {
     float image[3 * W * H];
     write_pairs();
     enc_pairs *pairs = open_pairs(&defaults);
@@ -122,8 +107,7 @@ static void test_names_and_values(void **state) {
 }
 
 /* Options of data sets hold for pairs, too. */
-static void test_options(void **state) {
-    (void)state;
+SET_TEST(test_options) {
     const enc_read_options options = {.azimuth_cw = true,
                                       .azimuth_offset = 90,
                                       .crop = {1, 0, 4, 4},
@@ -146,34 +130,32 @@ static void expect_refused(const enc_read_options *options, btf_result expected,
                            const char *other) {
     enc_pairs *pairs = NULL;
     float *image = malloc(3 * 64 * 64 * sizeof *image);
-    set_messages[0] = '\0';
-    btf_result result = enc_pairs_open(&set_context, set_folder, options, &pairs);
+    all_messages[0] = '\0';
+    btf_result result = enc_pairs_open(&set_context, temporary_folder, options, &pairs);
     for (size_t p = 0; result == BTF_OK && p < pairs->count; p++) {
         result = enc_pairs_read(&set_context, pairs, p, image);
     }
     assert_int_equal(result, expected);
-    if (!strstr(set_messages, word) || !strstr(set_messages, other)) {
-        fail_msg("neither '%s' nor '%s' may lack in: %s", word, other, set_messages);
+    if (!strstr(all_messages, word) || !strstr(all_messages, other)) {
+        fail_msg("neither '%s' nor '%s' may lack in: %s", word, other, all_messages);
     }
     enc_pairs_close(&pairs);
     free(image);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+SET_TEST(test_refusals) {
     const enc_read_options components = {.components = 3};
     write_pairs();
-    expect_refused(&components, BTF_ERROR_USAGE, "components", set_folder);
+    expect_refused(&components, BTF_ERROR_USAGE, "components", temporary_folder);
 }
 
 /* An image whose name says nothing is told of and left out, as in a data set; a set of such images is
  * refused, unless a table lies beside them. */
-static void test_names_that_say_nothing(void **state) {
-    (void)state;
+SET_TEST(test_names_that_say_nothing) {
     write_image("frame7.exr", W, H, 0.5f);
     expect_refused(&defaults, BTF_ERROR_BAD_FILE, "frame7.exr", "tl, pl, tv and pv");
     char path[2 * PATH];
-    snprintf(path, sizeof path, "%s/directions.csv", set_folder);
+    snprintf(path, sizeof path, "%s/directions.csv", temporary_folder);
     FILE *table = fopen(path, "w");
     assert_non_null(table);
     fputs("file,theta_v,phi_v,theta_l,phi_l\nframe7.exr,20.5,40,60,350\n", table);
@@ -184,15 +166,14 @@ static void test_names_that_say_nothing(void **state) {
     enc_pairs_close(&pairs);
     expect_set(ENC_SET_PAIRS);
     write_pairs();
-    set_messages[0] = '\0';
+    all_messages[0] = '\0';
     pairs = open_pairs(&defaults);
     assert_int_equal(pairs->count, COUNT);
-    assert_non_null(strstr(set_messages, "1 images are left out"));
+    assert_non_null(strstr(all_messages, "1 images are left out"));
     enc_pairs_close(&pairs);
 }
 
-static void test_refused_values(void **state) {
-    (void)state;
+SET_TEST(test_refused_values) {
     const enc_read_options strict = {.strict = true};
     write_pairs();
     write_image("tl1_pl2_tv3_pv4.exr", W, H, -0.5f);
@@ -204,8 +185,7 @@ static void test_refused_values(void **state) {
     expect_refused(&defaults, BTF_ERROR_BAD_FILE, "pixels, but the first image has", "5x4");
 }
 
-static void test_refused_directions(void **state) {
-    (void)state;
+SET_TEST(test_refused_directions) {
     write_pairs();
     write_image("again tl12.5 pl30 tv40.25 pv110.exr", W, H, 0.5f);
     expect_refused(&defaults, BTF_ERROR_BAD_FILE, "two images", "again tl12.5 pl30 tv40.25 pv110.exr");
@@ -242,8 +222,7 @@ static enc_between *measure(const enc_pairs *pairs, size_t memory) {
     return between;
 }
 
-static void test_measured_errors(void **state) {
-    (void)state;
+SET_TEST(test_measured_errors) {
     write_pairs();
     enc_pairs *pairs = open_pairs(&defaults);
     enc_between *b = measure(pairs, 0);
@@ -271,8 +250,7 @@ static void test_measured_errors(void **state) {
 }
 
 /* Blocks of two pairs give what one block of all does. */
-static void test_blocks(void **state) {
-    (void)state;
+SET_TEST(test_blocks) {
     write_pairs();
     enc_pairs *pairs = open_pairs(&defaults);
     enc_between *whole = measure(pairs, 0);
@@ -288,8 +266,7 @@ static void test_blocks(void **state) {
 }
 
 /* Decoded images are the reference's own, and need not lie on anything. */
-static void test_decoded_pairs(void **state) {
-    (void)state;
+TEST(test_decoded_pairs) {
     random_state r = {3};
     btf_material_desc desc =
         random_material_desc(W, H, 19, 19, BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW | BTF_EFFECT_RESIDUAL);
@@ -327,22 +304,4 @@ static void test_decoded_pairs(void **state) {
     random_material_free(&desc);
 }
 
-#define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, set_make_folder, set_remove_folder)
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        WITH_FOLDER(test_what_a_set_is),
-        WITH_FOLDER(test_a_grid_is_a_grid),
-        WITH_FOLDER(test_an_orbit_is_pairs),
-        WITH_FOLDER(test_names_and_values),
-        WITH_FOLDER(test_names_that_say_nothing),
-        WITH_FOLDER(test_options),
-        WITH_FOLDER(test_refusals),
-        WITH_FOLDER(test_refused_values),
-        WITH_FOLDER(test_refused_directions),
-        WITH_FOLDER(test_measured_errors),
-        WITH_FOLDER(test_blocks),
-        cmocka_unit_test(test_decoded_pairs),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,58 +4,26 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/data/checkpoint.h"
 #include "encoder/factor/factor.h"
 #include "encoder/factor/steps.h"
 #include "encoder/paper/paper.h"
 #include "tests/support/image_files.h"
 #include "tests/sample/sample.h"
+#include "tests/support/messages.h"
+#include "tests/support/temporary.h"
+#include "tests/support/test.h"
 
 #include <dirent.h>
-#include <ftw.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-static char folder[256], messages[2048];
-
-static void keep_message(void *user, btf_log_level level, const char *text) {
-    (void)user;
-    (void)level;
-    snprintf(messages, sizeof messages, "%s", text);
-}
 static enc_context context = {.log = {keep_message, NULL}, .threads = 1};
 
-static int make_folder(void **state) {
-    (void)state;
-    const char *base = getenv("TMPDIR");
-    snprintf(folder, sizeof folder, "%s/btf-steps-XXXXXX", base && *base ? base : "/tmp");
+static int set_up(void **state) {
+    last_message[0] = '\0';
     context.checkpoint = NULL;
-    messages[0] = '\0';
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_entry(const char *path, const struct stat *status, int flag, struct FTW *ftw) {
-    (void)status;
-    (void)flag;
-    (void)ftw;
-    return remove(path);
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    nftw(folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
-    return 0;
+    return make_temporary_folder(state);
 }
 
 /* Two texels of one view and two lights. */
@@ -71,7 +39,7 @@ static enc_data *tiny(float first) {
 static btf_result open_for(float first, const char *options, bool resume) {
     enc_data *data = tiny(first);
     const btf_result result =
-        enc_checkpoint_open(&context, folder, options, data, resume, &context.checkpoint);
+        enc_checkpoint_open(&context, temporary_folder, options, data, resume, &context.checkpoint);
     enc_data_destroy(&data);
     return result;
 }
@@ -105,8 +73,7 @@ static bool get_numbers(const char *name, int from, int count) {
     return true;
 }
 
-static void test_keeps(void **state) {
-    (void)state;
+TEST_WITH(test_keeps, set_up, remove_temporary_folder) {
     enc_blob blob = {0};
     assert_false(
         enc_checkpoint_get(&context, "a", &blob)); /* without a checkpoint: nothing, and no error */
@@ -123,39 +90,37 @@ static void test_keeps(void **state) {
     assert_true(get_numbers("a", 10, 5000));
     assert_true(get_numbers("b", 40, 2));
     enc_checkpoint_close(&context.checkpoint, true);
-    assert_int_equal(access(folder, F_OK), -1);
+    assert_int_equal(access(temporary_folder, F_OK), -1);
 }
 
-static void test_whose(void **state) {
-    (void)state;
+TEST_WITH(test_whose, set_up, remove_temporary_folder) {
     assert_int_equal(open_for(0.5f, "x=1", true), BTF_OK); /* there is none yet: no error */
     put_numbers("a", 1, 3);
     enc_checkpoint_close(&context.checkpoint, false);
     assert_int_equal(open_for(0.5f, "x=1", false), BTF_ERROR_USAGE);
-    assert_non_null(strstr(messages, "--resume"));
+    assert_non_null(strstr(last_message, "--resume"));
     assert_int_equal(open_for(0.5f, "x=2", true), BTF_ERROR_USAGE);
-    assert_non_null(strstr(messages, "other data, of other options"));
+    assert_non_null(strstr(last_message, "other data, of other options"));
     assert_int_equal(open_for(0.25f, "x=1", true), BTF_ERROR_USAGE);
-    assert_non_null(strstr(messages, folder));
+    assert_non_null(strstr(last_message, temporary_folder));
     assert_int_equal(open_for(0.5f, "x=1", true), BTF_OK);
     enc_checkpoint_close(&context.checkpoint, false);
 }
 
 /* Cut short anywhere or with any byte changed, a step counts as none. */
-static void test_damage(void **state) {
-    (void)state;
+TEST_WITH(test_damage, set_up, remove_temporary_folder) {
     char path[320];
     size_t size;
     assert_int_equal(open_for(0.5f, "x=1", false), BTF_OK);
     put_numbers("a", 7, 9);
-    snprintf(path, sizeof path, "%s/a.btf-step", folder);
+    snprintf(path, sizeof path, "%s/a.btf-step", temporary_folder);
     unsigned char *bytes = read_whole_file(path, &size);
     enc_blob blob;
     for (size_t i = 0; i < size; i++) {
         write_whole_file(path, bytes, i);
-        messages[0] = '\0';
+        last_message[0] = '\0';
         assert_false(enc_checkpoint_get(&context, "a", &blob));
-        assert_non_null(strstr(messages, "a.btf-step"));
+        assert_non_null(strstr(last_message, "a.btf-step"));
         bytes[i] ^= 1;
         write_whole_file(path, bytes, size);
         bytes[i] ^= 1;
@@ -184,7 +149,7 @@ static enc_data *bricks(void) {
 static void leave_steps(const char *const *steps, int count, int left) {
     for (int i = 0; i < count; i++) {
         char path[320];
-        snprintf(path, sizeof path, "%s/%s.btf-step", folder, steps[i]);
+        snprintf(path, sizeof path, "%s/%s.btf-step", temporary_folder, steps[i]);
         assert_int_equal(access(path, F_OK), 0);
         if (i >= left) {
             remove(path);
@@ -193,8 +158,7 @@ static void leave_steps(const char *const *steps, int count, int left) {
 }
 
 /* The method after all steps, after each number of them, and without. */
-static void test_paper(void **state) {
-    (void)state;
+TEST_WITH(test_paper, set_up, remove_temporary_folder) {
     enc_data *data = bricks();
     const enc_paper_options paper = enc_paper_options_default();
     static const char *const steps[] = {"fit", "shadow", "flow", "refine", "cluster"};
@@ -202,8 +166,8 @@ static void test_paper(void **state) {
     enc_paper_stats stats;
     assert_int_equal(enc_paper(&context, data, &paper, &plain, NULL, &stats), BTF_OK);
     assert_true(plain.n_centres > 0);
-    assert_int_equal(enc_checkpoint_open(&context, folder, "paper", data, false, &context.checkpoint),
-                     BTF_OK);
+    assert_int_equal(
+        enc_checkpoint_open(&context, temporary_folder, "paper", data, false, &context.checkpoint), BTF_OK);
     for (int left = 5; left >= -1; left--) { /* first none is there; then all; then ever fewer */
         enc_solution found;
         assert_int_equal(enc_paper(&context, data, &paper, &found, NULL, &stats), BTF_OK);
@@ -245,15 +209,15 @@ static const enc_factor_options both = {
     .budget = BUDGET, .sweeps = 2, .match = ENC_FACTOR_CHOOSE_MATCH, .gain = true};
 
 /* Without match and with it, likewise. */
-static void test_factors(void **state) {
-    (void)state;
+TEST_WITH(test_factors, set_up, remove_temporary_folder) {
     static const char *const steps[] = {"components-0", "factors-0", "match-0", "matched-0"};
     enc_data *data = bricks();
     enc_factors *plain;
     assert_int_equal(enc_factor_encode(&context, data, &both, &plain), BTF_OK);
     assert_int_equal(plain->n_trials, 2);
     assert_false(plain->trials[1].omitted);
-    assert_int_equal(enc_checkpoint_open(&context, folder, "x", data, false, &context.checkpoint), BTF_OK);
+    assert_int_equal(enc_checkpoint_open(&context, temporary_folder, "x", data, false, &context.checkpoint),
+                     BTF_OK);
     for (int left = 4; left >= -1; left--) {
         enc_factors *found;
         assert_int_equal(enc_factor_encode(&context, data, &both, &found), BTF_OK);
@@ -267,8 +231,7 @@ static void test_factors(void **state) {
 }
 
 /* Components are taken, but not where they or their plan could not be worked with. */
-static void test_wrong_components(void **state) {
-    (void)state;
+TEST_WITH(test_wrong_components, set_up, remove_temporary_folder) {
     enc_data *data = bricks();
     const enc_factor_matrix m = enc_factor_matrix_of(&context, data);
     enc_components found[ENC_FACTOR_CHANNELS] = {{0}}, taken[ENC_FACTOR_CHANNELS] = {{0}};
@@ -276,7 +239,8 @@ static void test_wrong_components(void **state) {
     const enc_unspent unspent = {0};
     enc_factor_plan good = {{{2, 1, 1}}}, plan;
     enc_unspent out;
-    assert_int_equal(enc_checkpoint_open(&context, folder, "x", data, false, &context.checkpoint), BTF_OK);
+    assert_int_equal(enc_checkpoint_open(&context, temporary_folder, "x", data, false, &context.checkpoint),
+                     BTF_OK);
     assert_int_equal(enc_components_find(&m, rank, 1, found), BTF_OK);
     for (int wrong = 0; wrong < 4; wrong++) {
         const float u = found[0].u[3];
@@ -299,14 +263,4 @@ static void test_wrong_components(void **state) {
     enc_data_destroy(&data);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_keeps, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_whose, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_damage, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_paper, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_factors, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_wrong_components, make_folder, remove_folder),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

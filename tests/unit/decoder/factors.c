@@ -3,11 +3,8 @@
  * SPDX-License-Identifier: MIT
  */
 #include "factors.h"
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
 
-#include <cmocka.h>
+#include "tests/support/test.h"
 
 btf_material_desc make_desc(uint64_t seed, btf_layout layout, uint32_t effects) {
     random_state r = {seed};
@@ -26,18 +23,11 @@ uint16_t *make_preview(uint32_t width, uint32_t height) {
     return preview;
 }
 
-btf_material_info info_of(const btf_material *material) {
-    btf_material_info info = {.struct_size = sizeof info};
-    assert_int_equal(btf_material_get_info(material, &info), BTF_OK);
-    return info;
-}
-
 saved factor_file, plain_file;
 
-saved save(const btf_material_desc *desc) {
+static saved save(const btf_material_desc *desc) {
     btf_material *m = create_accepted(desc);
-    saved s;
-    assert_int_equal(btf_material_save_memory(m, NULL, &s.data, &s.size), BTF_OK);
+    const saved s = save_material(m);
     btf_material_close(&m);
     return s;
 }
@@ -65,68 +55,4 @@ int teardown(void **state) {
     btf_free(factor_file.data);
     btf_free(plain_file.data);
     return 0;
-}
-
-edit_file *take(const saved *s) {
-    return edit_load(s->data, s->size);
-}
-
-btf_material *accepted(edit_file *file) {
-    btf_material *m;
-    if (open_edited(file, &m)) {
-        fail_msg("refused: %s", last_message);
-    }
-    return m;
-}
-
-void assert_same_material(const btf_material *a, const btf_material *b) {
-    const btf_material_info ia = info_of(a), ib = info_of(b);
-    assert_int_equal(ia.version, ib.version);
-    assert_int_equal(ia.store, ib.store);
-    assert_int_equal(ia.blend, ib.blend);
-    assert_int_equal(ia.components, ib.components);
-    assert_true(ia.horizon_scale == ib.horizon_scale);
-    assert_memory_equal(ia.factor_classes, ib.factor_classes, sizeof ia.factor_classes);
-    assert_int_equal(ia.levels, ib.levels);
-    assert_int_equal(ia.gpu_bytes, ib.gpu_bytes);
-    assert_int_equal(ia.table_bytes, ib.table_bytes);
-    for (uint32_t level = 0; level < ia.levels; level++) {
-        for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
-            const btf_texture ta = btf_material_level_texture(a, level, (btf_texture_id)id),
-                              tb = btf_material_level_texture(b, level, (btf_texture_id)id);
-            assert_int_equal(ta.size, tb.size);
-            if (ta.size) {
-                assert_memory_equal(ta.data, tb.data, ta.size);
-            }
-        }
-    }
-    const uint16_t *pa = btf_material_preview(a), *pb = btf_material_preview(b);
-    assert_int_equal(pa != NULL, pb != NULL);
-    if (pa) {
-        assert_memory_equal(pa, pb, 8 * (size_t)ia.width * ia.height);
-    }
-}
-
-void round_trip(const btf_material_desc *desc) {
-    btf_material *m = create_accepted(desc), *opened;
-    void *data, *again;
-    size_t size, size_again;
-    assert_int_equal(btf_material_save_memory(m, &log_keep, &data, &size), BTF_OK);
-    if (btf_material_open_memory(data, size, &log_keep, &opened)) {
-        fail_msg("%s", last_message);
-    }
-    assert_same_material(m, opened);
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
-        if (desc->texture[id]) {
-            assert_memory_equal(btf_material_texture(opened, (btf_texture_id)id).data, desc->texture[id],
-                                btf_material_texture(opened, (btf_texture_id)id).size);
-        }
-    }
-    assert_int_equal(btf_material_save_memory(opened, &log_keep, &again, &size_again), BTF_OK);
-    assert_int_equal(size, size_again);
-    assert_memory_equal(data, again, size);
-    btf_free(data);
-    btf_free(again);
-    btf_material_close(&m);
-    btf_material_close(&opened);
 }

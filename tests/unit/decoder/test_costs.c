@@ -2,22 +2,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "tests/support/factor_material.h"
 #include "tests/support/refusals.h"
+#include "tests/support/test.h"
 
 #include <openbtf/fold.h>
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #define REST                                                                                               \
@@ -30,8 +20,7 @@ static btf_result parse(const char *text, btf_cost_model *out) {
     return btf_cost_model_read(text, strlen(text), "costs.json", &log_keep, out);
 }
 
-static void files_are_read(void **state) {
-    (void)state;
+TEST(files_are_read) {
     btf_cost_model m;
     assert_int_equal(parse(GOOD, &m), BTF_OK);
     assert_true(m.struct_size == sizeof m && m.device[0] == 0 && m.pixel == 1 && m.look_up == 2.5 &&
@@ -99,8 +88,7 @@ static const struct {
 };
 /* clang-format on */
 
-static void others_are_refused(void **state) {
-    (void)state;
+TEST(others_are_refused) {
     const btf_cost_model before = {.struct_size = 7, .device = "untouched"};
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
         btf_cost_model m = before;
@@ -125,8 +113,7 @@ static void others_are_refused(void **state) {
     }
 }
 
-static void files_are_opened(void **state) {
-    (void)state;
+TEST(files_are_opened) {
     btf_cost_model m;
     char path[] = "/tmp/btf-costs-XXXXXX";
     const int made = mkstemp(path);
@@ -151,8 +138,7 @@ static void files_are_opened(void **state) {
 }
 
 /* A price alone makes its count the cost; NULL are those built in. */
-static void costs_are_counts_by_prices(void **state) {
-    (void)state;
+TEST(costs_are_counts_by_prices) {
     btf_decode_counts n = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
 #define ALONE(price, name, count)                                                                          \
     {                                                                                                      \
@@ -165,8 +151,7 @@ static void costs_are_counts_by_prices(void **state) {
     assert_true(btf_cost_of(&n, NULL) == 1e-6);
 }
 
-static void plans_go_by_the_prices(void **state) {
-    (void)state;
+TEST(plans_go_by_the_prices) {
     random_state r = {6};
     static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{2, 4, 2}, {1, 1, 1}, {5, 2, 3}, {1}, {4}};
     btf_material_desc desc = factor_material_desc(4, 4, 81, 81, BTF_LAYOUT_TIGHT,
@@ -181,8 +166,7 @@ static void plans_go_by_the_prices(void **state) {
                          floats = {.struct_size = sizeof floats, .real = 1};
     btf_scene scene = {
         .struct_size = sizeof scene, .light = {.fixed = 1, .direction = {0, 0, 1}}, .costs = &fetches};
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(material, &info);
+    btf_material_info info = accepted_info(material);
     btf_shader_options o = {.struct_size = sizeof o};
     const btf_decode_counts n = btf_count_decode(&info, &o);
     assert_true(n.fetches > 100 && btf_plan_cost(material, &o, &scene) == (float)n.fetches);
@@ -201,11 +185,4 @@ static void plans_go_by_the_prices(void **state) {
     btf_material_close(&material);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(files_are_read),         cmocka_unit_test(others_are_refused),
-        cmocka_unit_test(files_are_opened),       cmocka_unit_test(costs_are_counts_by_prices),
-        cmocka_unit_test(plans_go_by_the_prices),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

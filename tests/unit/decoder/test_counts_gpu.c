@@ -7,19 +7,10 @@
 #include "tests/conformance/random.h"
 #include "tests/conformance/sabotage/tamper.h"
 #include "tests/conformance/synthetic.h"
+#include "tests/support/test.h"
 
 #include <openbtf/cost.h>
 #include <openbtf/fold.h>
-
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { ELEMENTS = 256, UNIT_FOLDED = 31 };
 
@@ -187,8 +178,7 @@ static const struct {
 };
 
 /* The first material in every way, the others whole. */
-static void counts_are_the_shader_s(void **state) {
-    (void)state;
+TEST(counts_are_the_shader_s) {
     static const struct {
         const char *name;
         btf_shader_options shader;
@@ -243,7 +233,4 @@ static void counts_are_the_shader_s(void **state) {
     assert_true(compared == 18);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(counts_are_the_shader_s)};
-    return cmocka_run_group_tests(tests, gpu_group_setup, gpu_group_teardown);
-}
+RUN_TESTS(gpu_group_setup, gpu_group_teardown)

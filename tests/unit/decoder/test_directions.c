@@ -6,15 +6,7 @@
 #include "decoder/directions.h"
 #include "decoder/reach.h"
 #include "tests/support/random_material.h"
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "tests/support/test.h"
 
 enum { END = 16384 };
 
@@ -353,8 +345,7 @@ static void check_many(const char *name, uint32_t count, const float *xyz, uint3
     btfi_directions_clear(&made);
 }
 
-static void test_measured_sets(void **state) {
-    (void)state;
+TEST(test_measured_sets) {
     float ubo2003[81][3], ubo2014[151][3];
     random_ubo2003(ubo2003);
     random_ubo2014(ubo2014);
@@ -362,8 +353,7 @@ static void test_measured_sets(void **state) {
     check_list("UBO2014", 151, ubo2014[0], 211);
 }
 
-static void test_random_sets(void **state) {
-    (void)state;
+TEST(test_random_sets) {
     random_state r = {11};
     static const uint32_t counts[] = {3, 4, 5, 9, 50, 256};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
@@ -375,8 +365,7 @@ static void test_random_sets(void **state) {
     }
 }
 
-static void test_regular_sets(void **state) {
-    (void)state;
+TEST(test_regular_sets) {
     static const uint32_t counts[] = {7, 19, 37, 91, 217, 256};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
         float xyz[256 * 3];
@@ -387,15 +376,13 @@ static void test_regular_sets(void **state) {
     }
 }
 
-static void test_one_and_two(void **state) {
-    (void)state;
+TEST(test_one_and_two) {
     const float one[3] = {0.6f, 0, 0.8f}, two[2][3] = {{0, 0, 1}, {0.48f, 0.64f, 0.6f}};
     check_list("one", 1, one, 331);
     check_list("two", 2, two[0], 331);
 }
 
-static void test_collinear(void **state) {
-    (void)state;
+TEST(test_collinear) {
     float line[9][3], slanted[5][3];
     static const int order[9] = {4, 3, 5, 2, 6, 1, 7, 0, 8};
     for (int i = 0; i < 9; i++) {
@@ -427,8 +414,7 @@ static void test_collinear(void **state) {
 }
 
 /* Exact ties: the diagonal that holds the smallest index. */
-static void test_cocircular(void **state) {
-    (void)state;
+TEST(test_cocircular) {
     static const float square[4][3] = {
         {0.6f, 0, 0.8f}, {0, 0.6f, 0.8f}, {-0.6f, 0, 0.8f}, {0, -0.6f, 0.8f}};
     for (int first = 0; first < 4; first++) {
@@ -465,8 +451,7 @@ static void test_cocircular(void **state) {
 }
 
 /* One step of q moves the weighted point by little more than a step, also across edges and over the hull. */
-static void test_continuity(void **state) {
-    (void)state;
+TEST(test_continuity) {
     float xyz[81][3];
     random_ubo2003(xyz);
     btf_material *material = with_views(81, xyz[0]);
@@ -488,8 +473,7 @@ static void test_continuity(void **state) {
     btf_material_close(&material);
 }
 
-static void test_projection(void **state) {
-    (void)state;
+TEST(test_projection) {
     random_state r = {12};
     const float pole[3] = {0, 0, 1}, edge[3] = {1, 0, 0x1p-24f},
                 corner[3] = {-0.70710678f, -0.70710678f, 0x1p-24f};
@@ -527,8 +511,7 @@ static void direction_at(double x, double y, float out[3]) {
     out[2] = (float)((1 - r) / (1 + r));
 }
 
-static void test_many(void **state) {
-    (void)state;
+TEST(test_many) {
     random_state r = {13};
     static float xyz[BTF_MAX_DIRECTIONS * 3];
     random_directions(&r, 300, 60, xyz);
@@ -543,8 +526,7 @@ static void test_many(void **state) {
 
 /* The same on a lattice, where all is co-circular, within a triangle; on one ring, nearly all of it hull;
  * on a line, there and back. The edges of the last two reach over so many cells that grids are coarser. */
-static void test_many_of_a_kind(void **state) {
-    (void)state;
+TEST(test_many_of_a_kind) {
     enum { COUNT = BTF_MAX_DIRECTIONS };
     static float xyz[COUNT * 3];
     for (int i = 0; i < COUNT - 3; i++) {
@@ -566,13 +548,4 @@ static void test_many_of_a_kind(void **state) {
     check_many("a line of 4096", COUNT, xyz, 31, 991);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_measured_sets), cmocka_unit_test(test_random_sets),
-        cmocka_unit_test(test_regular_sets),  cmocka_unit_test(test_one_and_two),
-        cmocka_unit_test(test_collinear),     cmocka_unit_test(test_cocircular),
-        cmocka_unit_test(test_continuity),    cmocka_unit_test(test_projection),
-        cmocka_unit_test(test_many),          cmocka_unit_test(test_many_of_a_kind),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -2,22 +2,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/between.h"
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/report/effect_errors.h"
 #include "encoder/report/metrics.h"
 #include "tests/support/random_material.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 enum { SIDE = 16, TEXELS = SIDE * SIDE, RINGS = 3, DIRECTIONS = 1 + 8 + 16 };
 
@@ -141,8 +131,7 @@ static double lambert_error(double low, double high) {
     return 0.0625 * (b * b + a * b + a * a) / 3;
 }
 
-static void errors_are_the_integrals(void **state) {
-    (void)state;
+TEST(errors_are_the_integrals) {
     const enc_context context = {.threads = 2}, alone = {.threads = 1};
     enc_direction directions[DIRECTIONS];
     make_directions(directions);
@@ -219,8 +208,7 @@ static void in_band(random_state *r, const float *limits, int band, float out[3]
 
 /* Against black data the error is the mean square of what is decoded. Many ways leave few samples for each:
  * the full decode has more of its own, and its errors are near the truth all the same. */
-static void full_decodes_are_measured_finely(void **state) {
-    (void)state;
+TEST(full_decodes_are_measured_finely) {
     const enc_context context = {.threads = 2};
     enc_direction directions[DIRECTIONS];
     random_state r = {3};
@@ -284,8 +272,7 @@ static void full_decodes_are_measured_finely(void **state) {
 }
 
 /* Every number that cannot be is refused. */
-static void wrong_tables_are_refused(void **state) {
-    (void)state;
+TEST(wrong_tables_are_refused) {
     const float good[] = {1, 2, 0, 90, 0, 30, 60, 8, 0, 0, 0, 100, 0.1f, 0.2f, 0.3f, 0.4f};
     enum { COUNT = sizeof good / sizeof *good };
     btf_material *made = with_errors(good, COUNT, BTF_OK);
@@ -348,8 +335,7 @@ static void check_rows_without_effects(void) {
 }
 
 /* The table of errors between the samples: kept by a file, and refused where it cannot be. */
-static void between_errors_are_checked(void **state) {
-    (void)state;
+TEST(between_errors_are_checked) {
     const float good[] = {2,    1,    0,    20, 50,   0,    70,   1,    0.1f, 0.2f, 0.3f, 0.4f, 0.5f,
                           0.6f, 0.7f, 0.8f, 3,  0.1f, 0.2f, 0.3f, 0.4f, -1,   -1,   0,    1};
     enum { COUNT = sizeof good / sizeof *good };
@@ -386,12 +372,4 @@ static void between_errors_are_checked(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(errors_are_the_integrals),
-        cmocka_unit_test(full_decodes_are_measured_finely),
-        cmocka_unit_test(wrong_tables_are_refused),
-        cmocka_unit_test(between_errors_are_checked),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -9,20 +9,10 @@
 #include "tests/conformance/cases.h"
 #include "tests/conformance/synthetic.h"
 #include "tests/conformance/variant.h"
+#include "tests/support/test.h"
 
 #include <openbtf/evaluate.h>
 #include <openbtf/reference.h>
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { MOST = 512 };
 
@@ -170,9 +160,8 @@ static void check_variant(const variant *v, uint64_t seed, size_t count) {
     close_subject(&s);
 }
 
-static void test_all_variants(void **state) {
+TEST(test_all_variants) {
     static variant list[VARIANT_MAX];
-    (void)state;
     const size_t count = variant_pairwise(1, list);
     assert_true(count > 100);
     for (size_t i = 0; i < count; i++) {
@@ -183,8 +172,7 @@ static void test_all_variants(void **state) {
 
 /* Heights so far apart that of the three views one is hidden as far as it may be, its weight at the lower clamp,
  * while another is not: rare among the variants. */
-static void test_occlusion(void **state) {
-    (void)state;
+TEST(test_occlusion) {
     for (int deep = 0; deep < 2; deep++) {
         const synthetic_spec spec = {.seed = 11,
                                      .width = 16,
@@ -223,11 +211,10 @@ static void test_occlusion(void **state) {
 }
 
 /* Packed arrays, and one light and one view for all, are the same as a table. */
-static void test_layouts(void **state) {
+TEST(test_layouts) {
     static variant list[VARIANT_MAX];
     static batch b;
     static float uv[MOST][2], lights[MOST][3], views[MOST][3];
-    (void)state;
     btf_material *material = NULL;
     subject s;
     random_state r = {5};
@@ -263,9 +250,8 @@ static void test_layouts(void **state) {
 }
 
 /* Refusals leave the output as it was. */
-static void test_refusals(void **state) {
+TEST(test_refusals) {
     static variant list[VARIANT_MAX];
-    (void)state;
     btf_material *material = NULL;
     subject s;
     float in[8] = {0.5f, 0.5f, 0, 0, 1, 0, 0, 1}, rgb[3] = {7, 7, 7};
@@ -317,11 +303,5 @@ static void test_refusals(void **state) {
 
 int main(int argc, char **argv) {
     is_long = argc == 2 && strcmp(argv[1], "--long") == 0;
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all_variants),
-        cmocka_unit_test(test_occlusion),
-        cmocka_unit_test(test_layouts),
-        cmocka_unit_test(test_refusals),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_listed("tests", NULL, NULL);
 }

@@ -3,14 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "factors.h"
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "tests/support/test.h"
 
 static void assert_shape(btf_texture t, btf_format format, int is_array, uint32_t width, uint32_t height,
                          uint32_t layers) {
@@ -22,8 +15,7 @@ static void assert_shape(btf_texture t, btf_format format, int is_array, uint32_
     assert_int_equal(t.size, 16 * (size_t)width * height * layers);
 }
 
-static void test_shapes(void **state) {
-    (void)state;
+TEST(test_shapes) {
     random_state r = {1};
     btf_material_desc desc = factor_material_desc(WIDTH, HEIGHT, VIEWS, LIGHTS, BTF_LAYOUT_TIGHT,
                                                   BTF_EFFECT_SHIFT, factor_classes);
@@ -31,7 +23,7 @@ static void test_shapes(void **state) {
     desc.info.half_float = 1;
     factor_material_fill(&r, &desc);
     btf_material *m = create_accepted(&desc);
-    const btf_material_info info = info_of(m);
+    const btf_material_info info = accepted_info(m);
     assert_int_equal(info.version, 2);
     assert_int_equal(info.components, FACTOR_UNITS);
     assert_int_equal(info.store, BTF_STORE_FACTORS);
@@ -75,8 +67,7 @@ static void refused_info(const btf_material_info *info, const char *text) {
     random_material_free(&desc);
 }
 
-static void test_create_classes(void **state) {
-    (void)state;
+TEST(test_create_classes) {
     btf_material_desc desc = make_desc(2, BTF_LAYOUT_TIGHT, 0);
     const btf_material_info good = desc.info;
     btf_material *m = create_accepted(&desc);
@@ -121,8 +112,7 @@ static void test_create_classes(void **state) {
 }
 
 /* As many units and layers as may be. */
-static void test_most_units(void **state) {
-    (void)state;
+TEST(test_most_units) {
     static const uint32_t classes[2][BTF_FACTOR_CLASSES][3] = {
         {{0}, {128, 500, 12}}, {{100, 0, 400}, {0}, {56}, {0}, {100, 1, 399}}};
     static const uint32_t units[2] = {128, 256};
@@ -131,15 +121,14 @@ static void test_most_units(void **state) {
         btf_material_desc desc = factor_material_desc(1, 1, 1, 1, BTF_LAYOUT_TIGHT, 0, classes[i]);
         factor_material_fill(&r, &desc);
         btf_material *m = create_accepted(&desc);
-        assert_int_equal(info_of(m).components, units[i]);
+        assert_int_equal(accepted_info(m).components, units[i]);
         assert_int_equal(btf_material_texture(m, BTF_TEXTURE_FACTOR_TEXELS).layers, 256);
         btf_material_close(&m);
         random_material_free(&desc);
     }
 }
 
-static void test_create_numbers(void **state) {
-    (void)state;
+TEST(test_create_numbers) {
     btf_material_desc desc = make_desc(4, BTF_LAYOUT_TIGHT, 0);
     const btf_material_info good = desc.info;
     static const float bad_horizon[] = {0.999f, -1, NAN, INFINITY, 0x1.000002p24f};
@@ -152,7 +141,7 @@ static void test_create_numbers(void **state) {
     btf_material_close(&m);
     desc.info.horizon_scale = 0; /* as an input 1 */
     m = create_accepted(&desc);
-    assert_true(info_of(m).horizon_scale == 1);
+    assert_true(accepted_info(m).horizon_scale == 1);
     btf_material_close(&m);
     desc.info = good;
     desc.info.domain = BTF_DOMAIN_LINEAR;
@@ -173,8 +162,7 @@ static void test_create_numbers(void **state) {
     random_material_free(&desc);
 }
 
-static void test_create_codes(void **state) {
-    (void)state;
+TEST(test_create_codes) {
     btf_material_desc desc = make_desc(6, BTF_LAYOUT_TIGHT, 0);
     /* the second unit of class 0 is layer 1 of both; G of (3, 2), byte 2 */
     uint32_t *word =
@@ -198,8 +186,7 @@ static void test_create_codes(void **state) {
     random_material_free(&desc);
 }
 
-static void test_create_scales(void **state) {
-    (void)state;
+TEST(test_create_scales) {
     static const float bad[] = {0x1.fffffep-25f, -0x1.000002p24f, NAN, -INFINITY, 1e-42f};
     btf_material_desc desc = make_desc(7, BTF_LAYOUT_TIGHT, 0);
     float *scales = factor_numbers(&desc, BTF_TEXTURE_FACTOR_SCALES),
@@ -223,9 +210,7 @@ static void test_create_scales(void **state) {
                 btf_material *m = create_accepted(&desc);
                 btf_material_close(&m);
             } else {
-                char text[64];
-                snprintf(text, sizeof text, "factorScales: unit %d, all of Y, has the scales", unit);
-                create_refused(&desc, text);
+                create_refused(&desc, told("factorScales: unit %d, all of Y, has the scales", unit));
             }
             scales[4 * unit + word] = scale;
         }
@@ -245,8 +230,7 @@ static void test_create_scales(void **state) {
 }
 
 /* The limits themselves are no error. */
-static void test_extreme_scales(void **state) {
-    (void)state;
+TEST(test_extreme_scales) {
     btf_material_desc desc = make_desc(8, BTF_LAYOUT_TIGHT, 0);
     float *scales = factor_numbers(&desc, BTF_TEXTURE_FACTOR_SCALES),
           *views = factor_numbers(&desc, BTF_TEXTURE_FACTOR_VIEWS);
@@ -261,12 +245,4 @@ static void test_extreme_scales(void **state) {
     random_material_free(&desc);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shapes),         cmocka_unit_test(test_create_classes),
-        cmocka_unit_test(test_most_units),     cmocka_unit_test(test_create_numbers),
-        cmocka_unit_test(test_create_codes),   cmocka_unit_test(test_create_scales),
-        cmocka_unit_test(test_extreme_scales),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

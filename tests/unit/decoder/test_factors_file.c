@@ -3,17 +3,9 @@
  * SPDX-License-Identifier: MIT
  */
 #include "factors.h"
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
-#include <cmocka.h>
-
-static void test_round_trip(void **state) {
-    (void)state;
+TEST(test_round_trip) {
     for (int i = 0; i < 16; i++) {
         const btf_layout layout = i & 1 ? BTF_LAYOUT_PAPER : BTF_LAYOUT_TIGHT;
         random_state r = {(uint64_t)i};
@@ -35,8 +27,7 @@ static void test_round_trip(void **state) {
 }
 
 /* Blend roots alone makes version 2, and nothing of factors is written. */
-static void test_roots_without_factors(void **state) {
-    (void)state;
+TEST(test_roots_without_factors) {
     for (int residual = 0; residual < 2; residual++) {
         random_state r = {9};
         btf_material_desc desc = random_material_desc(3, 2, 4, 3, BTF_LAYOUT_TIGHT,
@@ -48,7 +39,7 @@ static void test_roots_without_factors(void **state) {
         desc.preview = preview;
         round_trip(&desc);
         btf_material *m = create_accepted(&desc);
-        assert_int_equal(info_of(m).version, 2);
+        assert_int_equal(accepted_info(m).version, 2);
         void *data;
         size_t size;
         assert_int_equal(btf_material_save_memory(m, NULL, &data, &size), BTF_OK);
@@ -68,12 +59,10 @@ static void test_roots_without_factors(void **state) {
     }
 }
 
-static void test_file_parts(void **state) {
-    (void)state;
+TEST(test_file_parts) {
     static const char *const names[] = {"factor_texels", "factor_directions", "preview"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         const bool words = i < 2;
-        char text[96];
         edit_file *e = take(&factor_file);
         edit_part *part = edit_find_part(e, names[i]);
         assert_int_equal(part->channel_count, words ? 4 : 3);
@@ -82,15 +71,12 @@ static void test_file_parts(void **state) {
         }
         if (words) {
             edit_remove_part(e, names[i]);
-            snprintf(text, sizeof text, "part %s: missing", names[i]);
-            file_refused(e, text);
+            file_refused(e, told("part %s: missing", names[i]));
         } else {
             edit_free(e);
         }
-        e = take(&factor_file);
-        edit_resize(edit_find_part(e, names[i]), 9, 3);
-        snprintf(text, sizeof text, "part %s: data window (0,0)-(8,2)", names[i]);
-        file_refused(e, text);
+        EDIT_REFUSED(take(&factor_file), edit_resize(edit_find_part(e, names[i]), 9, 3),
+                     told("part %s: data window (0,0)-(8,2)", names[i]));
         for (int type = 0; type < 3; type++) {
             static const exr_pixel_type_t types[3] = {EXR_PIXEL_HALF, EXR_PIXEL_FLOAT, EXR_PIXEL_UINT};
             if (types[type] == (words ? EXR_PIXEL_UINT : EXR_PIXEL_HALF)) {
@@ -100,29 +86,23 @@ static void test_file_parts(void **state) {
             part = edit_find_part(e, names[i]);
             edit_remove_channel(part, "G");
             edit_add_channel(part, "G", types[type]);
-            snprintf(text, sizeof text, "part %s: channel G is of type %d, not %d (%s)", names[i],
-                     (int)types[type], words ? 0 : 1, words ? "UINT" : "HALF");
-            file_refused(e, text);
+            file_refused(e, told("part %s: channel G is of type %d, not %d (%s)", names[i],
+                                 (int)types[type], words ? 0 : 1, words ? "UINT" : "HALF"));
         }
-        e = take(&factor_file);
-        edit_remove_channel(edit_find_part(e, names[i]), "B");
-        snprintf(text, sizeof text, "part %s: channel B is missing", names[i]);
-        file_refused(e, text);
-        e = take(&factor_file);
-        edit_add_channel(edit_find_part(e, names[i]), "Y", words ? EXR_PIXEL_UINT : EXR_PIXEL_HALF);
-        snprintf(text, sizeof text, "part %s: unknown channel Y", names[i]);
-        file_refused(e, text);
+        EDIT_REFUSED(take(&factor_file), edit_remove_channel(edit_find_part(e, names[i]), "B"),
+                     told("part %s: channel B is missing", names[i]));
+        EDIT_REFUSED(
+            take(&factor_file),
+            edit_add_channel(edit_find_part(e, names[i]), "Y", words ? EXR_PIXEL_UINT : EXR_PIXEL_HALF),
+            told("part %s: unknown channel Y", names[i]));
     }
-    edit_file *e = take(&factor_file);
-    edit_copy_part(e, "factor_texels", "residual_texels");
-    file_refused(e, "part residual_texels: unknown");
-    e = take(&factor_file);
-    edit_copy_part(e, "factor_texels", "level1.factor_texels");
-    file_refused(e, "part level1.factor_texels: unknown");
+    EDIT_REFUSED(take(&factor_file), edit_copy_part(e, "factor_texels", "residual_texels"),
+                 "part residual_texels: unknown");
+    EDIT_REFUSED(take(&factor_file), edit_copy_part(e, "factor_texels", "level1.factor_texels"),
+                 "part level1.factor_texels: unknown");
 }
 
-static void test_file_words(void **state) {
-    (void)state;
+TEST(test_file_words) {
     /* 11 layers of 5 x 4 in a sheet of 4 columns: the twelfth cell, from (15, 8) on, is empty */
     edit_file *e = take(&factor_file);
     edit_part *part = edit_find_part(e, "factor_texels");
@@ -142,8 +122,7 @@ static void test_file_words(void **state) {
 }
 
 /* Words come through every compression and order of rows. */
-static void test_other_writers(void **state) {
-    (void)state;
+TEST(test_other_writers) {
     static const exr_compression_t good[] = {EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE,
                                              EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_PIZ};
     btf_material *original;
@@ -154,7 +133,7 @@ static void test_other_writers(void **state) {
             e->parts[p].compression = good[i];
             e->parts[p].order = i % 2 ? EXR_LINEORDER_DECREASING_Y : EXR_LINEORDER_INCREASING_Y;
         }
-        btf_material *m = accepted(e);
+        btf_material *m = open_accepted(e);
         assert_same_material(m, original);
         btf_material_close(&m);
     }
@@ -162,25 +141,23 @@ static void test_other_writers(void **state) {
 }
 
 /* The picture may be anything, and may be missing. */
-static void test_preview(void **state) {
-    (void)state;
+TEST(test_preview) {
     edit_file *e = take(&factor_file);
     assert_string_equal(e->parts[0].name, "preview");
     const uint16_t nan = 0x7E01, denormal = 0x0001;
     memcpy(edit_find_channel(e, "preview", "R")->data, &nan, 2);
     memcpy(edit_find_channel(e, "preview", "B")->data + 2 * (WIDTH * HEIGHT - 1), &denormal, 2);
-    btf_material *m = accepted(e);
+    btf_material *m = open_accepted(e);
     assert_int_equal(btf_material_preview(m)[0], nan);
     assert_int_equal(btf_material_preview(m)[4 * (WIDTH * HEIGHT - 1) + 2], denormal);
     btf_material_close(&m);
     e = take(&factor_file);
     edit_remove_part(e, "preview");
-    m = accepted(e);
+    m = open_accepted(e);
     assert_null(btf_material_preview(m));
     btf_material_close(&m);
-    e = take(&plain_file); /* version 1 knows no such part */
-    edit_copy_part(e, "sbrdf", "preview");
-    file_refused(e, "part preview: unknown");
+    EDIT_REFUSED(take(&plain_file), edit_copy_part(e, "sbrdf", "preview"),
+                 "part preview: unknown"); /* version 1 knows no such part */
     btf_material_desc desc = random_material_desc(2, 2, 3, 3, BTF_LAYOUT_TIGHT, 0);
     random_state r = {12};
     random_material_fill(&r, &desc);
@@ -192,11 +169,4 @@ static void test_preview(void **state) {
     random_material_free(&desc);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip),    cmocka_unit_test(test_roots_without_factors),
-        cmocka_unit_test(test_file_parts),    cmocka_unit_test(test_file_words),
-        cmocka_unit_test(test_other_writers), cmocka_unit_test(test_preview),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

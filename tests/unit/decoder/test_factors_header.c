@@ -3,14 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "factors.h"
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "tests/support/test.h"
 
 static edit_attribute *add_attribute(edit_file *e, const char *name, exr_attribute_type_t type) {
     assert_true(e->attribute_count < EDIT_ATTRIBUTES);
@@ -27,41 +20,31 @@ static void add_floats(edit_file *e, const char *name, int count) {
     a->count = count;
 }
 
-static void test_file_attributes(void **state) {
-    (void)state;
+TEST(test_file_attributes) {
     static const char *const needed[] = {"factorScales", "factorViews", "horizonScale"};
     for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
-        char name[64], text[96];
+        char name[64];
         snprintf(name, sizeof name, "openbtf.%s", needed[i]);
-        edit_file *e = take(&factor_file);
-        edit_remove_attribute(e, name);
-        snprintf(text, sizeof text, "attribute %s is missing", name);
-        file_refused(e, text);
+        EDIT_REFUSED(take(&factor_file), edit_remove_attribute(e, name),
+                     told("attribute %s is missing", name));
     }
     static const char *const typed[] = {"factorClasses", "factorScales", "factorViews", "horizonScale",
                                         "blend"};
     for (size_t i = 0; i < sizeof typed / sizeof *typed; i++) {
-        char name[64], text[96];
+        char name[64];
         snprintf(name, sizeof name, "openbtf.%s", typed[i]);
-        edit_file *e = take(&factor_file);
-        edit_find_attribute(e, name)->type = EXR_ATTR_DOUBLE;
-        snprintf(text, sizeof text, "attribute %s is of type double", name);
-        file_refused(e, text);
+        EDIT_REFUSED(take(&factor_file), edit_find_attribute(e, name)->type = EXR_ATTR_DOUBLE,
+                     told("attribute %s is of type double", name));
     }
-    edit_file *e = take(&factor_file); /* its store is another then */
-    edit_remove_attribute(e, "openbtf.factorClasses");
-    file_refused(e, "attribute openbtf.residualScales is missing");
-    e = take(&factor_file);
-    add_floats(e, "openbtf.residualScales", FACTOR_UNITS);
-    file_refused(e,
+    EDIT_REFUSED(take(&factor_file), edit_remove_attribute(e, "openbtf.factorClasses"),
+                 "attribute openbtf.residualScales is missing"); /* its store is another then */
+    EDIT_REFUSED(take(&factor_file), add_floats(e, "openbtf.residualScales", FACTOR_UNITS),
                  "attribute openbtf.residualScales is there, but there are no components of the residual");
-    e = take(&factor_file);
-    edit_find_attribute(e, "openbtf.residual")->i = 8;
-    file_refused(e, "factorClasses: the classes have 9 units in all, the residual has 8");
-    e = take(&factor_file);
-    edit_find_attribute(e, "openbtf.version")->i = 1; /* nine components then */
-    file_refused(e, "attribute openbtf.residualScales is missing");
-    e = take(&factor_file); /* a file without a residual and with factors */
+    EDIT_REFUSED(take(&factor_file), edit_find_attribute(e, "openbtf.residual")->i = 8,
+                 "factorClasses: the classes have 9 units in all, the residual has 8");
+    EDIT_REFUSED(take(&factor_file), edit_find_attribute(e, "openbtf.version")->i = 1,
+                 "attribute openbtf.residualScales is missing"); /* nine components then */
+    edit_file *e = take(&factor_file); /* a file without a residual and with factors */
     edit_attribute *effects = edit_find_attribute(e, "openbtf.effects");
     free(effects->text);
     effects->text = strdup("shadow");
@@ -79,8 +62,7 @@ static void refused_count(const char *name, int count, const char *text) {
     count_refused(take(&factor_file), name, count, text);
 }
 
-static void test_file_numbers(void **state) {
-    (void)state;
+TEST(test_file_numbers) {
     refused_number("factorClasses", 6, 2,
                    "factorClasses: the classes have 8 units in all, the residual has 9");
     refused_number("factorClasses", 0, 2.5f, "openbtf.factorClasses: number 0 is 2.5");
@@ -93,8 +75,8 @@ static void test_file_numbers(void **state) {
     edit_file *e = take(&factor_file);
     edit_find_attribute(e, "openbtf.factorClasses")->values[7] = 5;
     edit_find_attribute(e, "openbtf.factorScales")->values[4 * 4 + 1] = 0.125f;
-    btf_material *m = accepted(e);
-    assert_int_equal(info_of(m).factor_classes[2][1], 5);
+    btf_material *m = open_accepted(e);
+    assert_int_equal(accepted_info(m).factor_classes[2][1], 5);
     btf_material_close(&m);
     e = take(&factor_file);
     edit_find_attribute(e, "openbtf.factorClasses")->values[7] = 5;
@@ -102,8 +84,7 @@ static void test_file_numbers(void **state) {
     file_refused(e, "factorScales: unit 5, all of Y, has the scales");
 }
 
-static void test_file_counts(void **state) {
-    (void)state;
+TEST(test_file_counts) {
     refused_count("factorClasses", 14, "openbtf.factorClasses holds 14 numbers");
     refused_count("factorClasses", 30, "openbtf.factorClasses holds 30 numbers");
     refused_count("factorScales", 35, "openbtf.factorScales holds 35 numbers");
@@ -118,9 +99,8 @@ static void test_file_counts(void **state) {
     refused_number("factorViews", 9 * VIEWS - 1, 0x1p-25f, "factorViews: number 71 is ");
     static const float horizons[] = {0, 0.5f, NAN, INFINITY, 0x1p25f};
     for (size_t i = 0; i < sizeof horizons / sizeof *horizons; i++) {
-        edit_file *e = take(&factor_file);
-        edit_find_attribute(e, "openbtf.horizonScale")->f = horizons[i];
-        file_refused(e, "horizonScale");
+        EDIT_REFUSED(take(&factor_file), edit_find_attribute(e, "openbtf.horizonScale")->f = horizons[i],
+                     "horizonScale");
     }
     edit_file *e = take(&factor_file);
     edit_attribute *blend = edit_find_attribute(e, "openbtf.blend");
@@ -134,26 +114,25 @@ static void test_file_counts(void **state) {
     file_refused(e, "blend roots needs domain sqrt");
     e = take(&factor_file);
     edit_remove_attribute(e, "openbtf.blend");
-    btf_material *m = accepted(e);
-    assert_int_equal(info_of(m).blend, BTF_BLEND_RADIANCE);
+    btf_material *m = open_accepted(e);
+    assert_int_equal(accepted_info(m).blend, BTF_BLEND_RADIANCE);
     btf_material_close(&m);
 }
 
 /* Attributes of version 2 say nothing in a file of version 1; a file that calls itself version 2 and holds
  * nothing of it is saved as version 1. */
-static void test_versions(void **state) {
-    (void)state;
+TEST(test_versions) {
     btf_material *plain, *m;
     assert_int_equal(btf_material_open_memory(plain_file.data, plain_file.size, NULL, &plain), BTF_OK);
-    assert_int_equal(info_of(plain).version, 1);
-    assert_true(info_of(plain).horizon_scale == 1);
+    assert_int_equal(accepted_info(plain).version, 1);
+    assert_true(accepted_info(plain).horizon_scale == 1);
     edit_file *e = take(&plain_file);
     add_floats(e, "openbtf.factorClasses", 15);
     add_floats(e, "openbtf.factorScales", 4);
     add_floats(e, "openbtf.factorViews", 9);
     add_attribute(e, "openbtf.horizonScale", EXR_ATTR_FLOAT)->f = -3;
     add_attribute(e, "openbtf.blend", EXR_ATTR_STRING)->text = strdup("roots");
-    m = accepted(e);
+    m = open_accepted(e);
     assert_same_material(m, plain);
     btf_material_close(&m);
 
@@ -165,7 +144,7 @@ static void test_versions(void **state) {
     for (int c = 0; c < 3; c++) {
         edit_add_channel(edit_find_part(e, "preview"), (const char[2]){"RGB"[c], 0}, EXR_PIXEL_HALF);
     }
-    m = accepted(e);
+    m = open_accepted(e);
     assert_same_material(m, plain);
     void *data;
     size_t size;
@@ -182,20 +161,12 @@ static void test_versions(void **state) {
     e = take(&plain_file);
     edit_find_attribute(e, "openbtf.version")->i = 2;
     add_attribute(e, "openbtf.blend", EXR_ATTR_STRING)->text = strdup("roots");
-    m = accepted(e);
-    assert_int_equal(info_of(m).blend, BTF_BLEND_ROOTS);
-    assert_int_equal(info_of(m).store, BTF_STORE_COMPONENTS);
-    assert_int_equal(info_of(m).version, 2);
+    m = open_accepted(e);
+    assert_int_equal(accepted_info(m).blend, BTF_BLEND_ROOTS);
+    assert_int_equal(accepted_info(m).store, BTF_STORE_COMPONENTS);
+    assert_int_equal(accepted_info(m).version, 2);
     btf_material_close(&m);
     btf_material_close(&plain);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_file_attributes),
-        cmocka_unit_test(test_file_numbers),
-        cmocka_unit_test(test_file_counts),
-        cmocka_unit_test(test_versions),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

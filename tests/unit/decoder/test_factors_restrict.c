@@ -4,13 +4,8 @@
  * SPDX-License-Identifier: MIT
  */
 #include "factors.h"
+#include "tests/support/test.h"
 #include <openbtf/plan.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 static uint32_t number_of(const btf_directions *whole, const float xyz[3]) {
     for (uint32_t i = 0; i < whole->count; i++) {
@@ -24,7 +19,7 @@ static uint32_t number_of(const btf_directions *whole, const float xyz[3]) {
 
 /* The first units, of the views and lights that are left. */
 static void assert_first_units(const btf_material *whole, const btf_material *small, uint32_t level) {
-    const btf_material_info info = info_of(whole), less = info_of(small);
+    const btf_material_info info = accepted_info(whole), less = accepted_info(small);
     const btf_directions views = btf_material_views(whole), lights = btf_material_lights(whole),
                          some_views = btf_material_views(small), some_lights = btf_material_lights(small);
     for (uint32_t i = 0; i < less.levels; i++) {
@@ -68,8 +63,7 @@ static const uint32_t first_classes[FACTOR_UNITS + 1][BTF_FACTOR_CLASSES][3] = {
 };
 static const uint32_t first_layers[FACTOR_UNITS + 1] = {0, 1, 2, 4, 5, 6, 7, 9, 10, 11};
 
-static void test_restrict(void **state) {
-    (void)state;
+TEST(test_restrict) {
     random_state r = {13};
     int fewer = 0;
     for (int round = 0; round < 40; round++) {
@@ -91,7 +85,7 @@ static void test_restrict(void **state) {
                          .components = units,
                          .level = desc.info.levels > 1 ? random_below(&r, 3) : 0};
         assert_int_equal(btf_material_restrict(whole, &plan, &log_keep, &small), BTF_OK);
-        const btf_material_info less = info_of(small);
+        const btf_material_info less = accepted_info(small);
         fewer += less.n_views < 37 && less.n_lights < 37;
         assert_int_equal(less.components, units);
         assert_int_equal(less.store, units ? BTF_STORE_FACTORS : BTF_STORE_COMPONENTS);
@@ -124,13 +118,12 @@ static void test_restrict(void **state) {
     assert_true(fewer > 5);
 }
 
-static void test_to_tight(void **state) {
-    (void)state;
+TEST(test_to_tight) {
     btf_material_desc desc = make_desc(14, BTF_LAYOUT_PAPER, BTF_EFFECT_VERSION_1);
     desc.info.blend = BTF_BLEND_ROOTS;
     btf_material *paper = create_accepted(&desc), *tight;
     assert_int_equal(btf_material_to_tight(paper, &log_keep, &tight), BTF_OK);
-    const btf_material_info info = info_of(tight);
+    const btf_material_info info = accepted_info(tight);
     assert_int_equal(info.layout, BTF_LAYOUT_TIGHT);
     assert_int_equal(info.blend, BTF_BLEND_ROOTS);
     assert_memory_equal(info.factor_classes, factor_classes, sizeof factor_classes);
@@ -146,8 +139,7 @@ static void test_to_tight(void **state) {
 }
 
 /* Rows count units: 0 to as many as there are. */
-static void test_effect_errors(void **state) {
-    (void)state;
+TEST(test_effect_errors) {
     const uint32_t effects = BTF_EFFECT_SHADOW | BTF_EFFECT_RESIDUAL;
     float table[] = {1,
                      1,
@@ -182,7 +174,7 @@ static void test_effect_errors(void **state) {
     assert_int_equal(plan.textures >> BTF_TEXTURE_FACTOR_TEXELS, 15);
     assert_int_equal(plan.textures >> BTF_TEXTURE_RESIDUAL_TEXELS & 7, 0);
     assert_int_equal(btf_material_restrict(m, &plan, NULL, &small), BTF_OK);
-    assert_int_equal(info_of(small).gpu_bytes, plan.gpu_bytes);
+    assert_int_equal(accepted_info(small).gpu_bytes, plan.gpu_bytes);
     const size_t layers = FACTOR_LAYERS - first_layers[4], units = FACTOR_UNITS - 4;
     assert_int_equal(plan.gpu_bytes,
                      plan.full_gpu_bytes - 16 * (layers * WIDTH * HEIGHT + units * VIEWS * LIGHTS));
@@ -194,8 +186,7 @@ static void test_effect_errors(void **state) {
 }
 
 /* More directions than layers: version 2 whatever else, where no texture has a layer for each. */
-static void test_many_directions(void **state) {
-    (void)state;
+TEST(test_many_directions) {
     static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{0}, {0}, {1}};
     random_state r = {16};
     btf_material_desc desc =
@@ -207,7 +198,7 @@ static void test_many_directions(void **state) {
                            .scene = {.struct_size = sizeof plan.scene, .light.theta = {0, 20}},
                            .effects = BTF_EFFECT_RESIDUAL};
     assert_int_equal(btf_material_restrict(whole, &plan, &log_keep, &small), BTF_OK);
-    assert_in_range(info_of(small).n_lights, 20, 400);
+    assert_in_range(accepted_info(small).n_lights, 20, 400);
     assert_first_units(whole, small, 0);
     btf_material_close(&small);
     btf_material_close(&whole);
@@ -219,8 +210,8 @@ static void test_many_directions(void **state) {
     random_material_fill(&r, &desc);
     round_trip(&desc);
     btf_material *m = create_accepted(&desc);
-    assert_int_equal(info_of(m).version, 2);
-    saved s = save(&desc);
+    assert_int_equal(accepted_info(m).version, 2);
+    saved s = save_material(m);
     edit_file *e = take(&s);
     assert_int_equal(edit_find_attribute(e, "openbtf.version")->i, 2);
     edit_find_attribute(e, "openbtf.version")->i = 1;
@@ -238,12 +229,4 @@ static void test_many_directions(void **state) {
     random_material_free(&desc);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_restrict),
-        cmocka_unit_test(test_to_tight),
-        cmocka_unit_test(test_effect_errors),
-        cmocka_unit_test(test_many_directions),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

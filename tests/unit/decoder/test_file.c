@@ -6,22 +6,9 @@
 #include "tests/support/exr_edit.h"
 #include "tests/support/random_material.h"
 #include "tests/support/refusals.h"
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "tests/support/test.h"
 
 /* A saved material with every effect; atlas or tight. */
-typedef struct saved {
-    void *data;
-    size_t size;
-} saved;
-
 static saved save_random(btf_layout layout, bool half) {
     random_state r = {21};
     btf_material_desc desc = random_material_desc(5, 4, 8, 7, layout, BTF_EFFECT_VERSION_1);
@@ -52,18 +39,9 @@ static int teardown(void **state) {
     return 0;
 }
 
-static edit_file *take(const saved *s) {
-    return edit_load(s->data, s->size);
-}
-
 /* The edited file must open, with the textures of the original. */
 static void accepted(edit_file *file, const saved *original) {
-    btf_material *a, *b;
-    btf_result result = open_edited(file, &a);
-    if (result) {
-        print_error("refused: %s\n", last_message);
-    }
-    assert_int_equal(result, BTF_OK);
+    btf_material *a = open_accepted(file), *b;
     assert_int_equal(btf_material_open_memory(original->data, original->size, NULL, &b), BTF_OK);
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
         btf_texture ta = btf_material_texture(a, (btf_texture_id)id),
@@ -79,8 +57,7 @@ static void accepted(edit_file *file, const saved *original) {
 
 /* Each channel of each part sampled otherwise, or as no file may: refused before OpenEXRCore unpacks
  * anything. */
-static void test_sampling(void **state) {
-    (void)state;
+TEST(test_sampling) {
     static const unsigned char values[][2] = {{2, 1}, {1, 2}, {2, 2}, {0, 1}, {1, 0}, {255, 255}};
     static const char list[] = "channels\0chlist";
     uint8_t *data = malloc(tight_file.size);
@@ -116,8 +93,7 @@ static void test_sampling(void **state) {
     free(data);
 }
 
-static void test_other_writers(void **state) {
-    (void)state;
+TEST(test_other_writers) {
     static const exr_compression_t good[] = {EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE,
                                              EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP,
                                              EXR_COMPRESSION_PIZ};
@@ -155,8 +131,7 @@ static void test_other_writers(void **state) {
 }
 
 /* OpenEXR's C++ library refuses parts of different display windows; ours is one that covers every part. */
-static void test_display_window(void **state) {
-    (void)state;
+TEST(test_display_window) {
     edit_file *e = take(&tight_file);
     int width = 0, height = 0;
     for (int p = 0; p < e->part_count; p++) {
@@ -170,74 +145,53 @@ static void test_display_window(void **state) {
     edit_free(e);
 }
 
-static void test_negative_zero(void **state) {
-    (void)state;
+TEST(test_negative_zero) {
     edit_file *e = take(&tight_file);
     float *value = (float *)(void *)edit_find_channel(e, "sbrdf", "rho_d")->data;
     *value = -0.0f;
     uint16_t *code = (uint16_t *)(void *)edit_find_channel(e, "residual_texels", "Y")->data;
     *code = 0x8000;
-    btf_material *m;
-    assert_int_equal(open_edited(e, &m), BTF_OK);
+    btf_material *m = open_accepted(e);
     assert_false(signbit(((const float *)btf_material_texture(m, BTF_TEXTURE_SBRDF).data)[3]));
     assert_int_equal(*(const int8_t *)btf_material_texture(m, BTF_TEXTURE_RESIDUAL_TEXELS).data, 0);
     btf_material_close(&m);
 }
 
-static void test_parts(void **state) {
-    (void)state;
+TEST(test_parts) {
     static const char *const names[] = {
         "sbrdf", "shadow", "shift", "gain", "centres", "residual_texels", "residual_directions"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        char text[128];
+        EDIT_REFUSED(take(&tight_file), edit_remove_part(e, names[i]), told("part %s: missing", names[i]));
+        EDIT_REFUSED(take(&tight_file), edit_copy_part(e, names[i], "what"), "part what: unknown");
+        EDIT_REFUSED(take(&tight_file), edit_resize(edit_find_part(e, names[i]), 9, 7),
+                     told("part %s: data window (0,0)-(8,6)", names[i]));
+        EDIT_REFUSED(take(&tight_file), edit_find_part(e, names[i])->min_x = 1,
+                     told("part %s: data window (1,0)", names[i]));
+        EDIT_REFUSED(take(&tight_file), edit_find_part(e, names[i])->compression = EXR_COMPRESSION_PXR24,
+                     told("part %s: compression 5", names[i]));
+        EDIT_REFUSED(take(&tight_file), edit_add_channel(edit_find_part(e, names[i]), "Z", EXR_PIXEL_HALF),
+                     told("part %s: unknown channel Z", names[i]));
         edit_file *e = take(&tight_file);
-        edit_remove_part(e, names[i]);
-        snprintf(text, sizeof text, "part %s: missing", names[i]);
-        file_refused(e, text);
-        e = take(&tight_file);
-        edit_copy_part(e, names[i], "what");
-        file_refused(e, "part what: unknown");
-        e = take(&tight_file);
-        edit_resize(edit_find_part(e, names[i]), 9, 7);
-        snprintf(text, sizeof text, "part %s: data window (0,0)-(8,6)", names[i]);
-        file_refused(e, text);
-        e = take(&tight_file);
-        edit_find_part(e, names[i])->min_x = 1;
-        snprintf(text, sizeof text, "part %s: data window (1,0)", names[i]);
-        file_refused(e, text);
-        e = take(&tight_file);
-        edit_find_part(e, names[i])->compression = EXR_COMPRESSION_PXR24;
-        snprintf(text, sizeof text, "part %s: compression 5", names[i]);
-        file_refused(e, text);
-        e = take(&tight_file);
-        edit_add_channel(edit_find_part(e, names[i]), "Z", EXR_PIXEL_HALF);
-        snprintf(text, sizeof text, "part %s: unknown channel Z", names[i]);
-        file_refused(e, text);
-        e = take(&tight_file);
         edit_part *part = edit_find_part(e, names[i]);
         char channel[40];
         snprintf(channel, sizeof channel, "%s", part->channels[0].name);
         edit_remove_channel(part, channel);
         edit_add_channel(part, "Z", EXR_PIXEL_HALF);
-        snprintf(text, sizeof text, "part %s: channel ", names[i]);
-        file_refused(e, text);
+        file_refused(e, told("part %s: channel ", names[i]));
         e = take(&tight_file);
         part = edit_find_part(e, names[i]);
         int last = part->channel_count - 1; /* the first channel of sbrdf says whether all are halves */
         snprintf(channel, sizeof channel, "%s", part->channels[last].name);
         edit_remove_channel(part, channel);
         edit_add_channel(part, channel, EXR_PIXEL_UINT);
-        snprintf(text, sizeof text, "part %s: channel %s is of type 0", names[i], channel);
-        file_refused(e, text);
+        file_refused(e, told("part %s: channel %s is of type 0", names[i], channel));
     }
-    edit_file *e = take(&tight_file);
-    edit_copy_part(e, "shadow", "maps");
-    file_refused(e, "part maps: unknown, or not in a material of these effects");
+    EDIT_REFUSED(take(&tight_file), edit_copy_part(e, "shadow", "maps"),
+                 "part maps: unknown, or not in a material of these effects");
 }
 
 /* Two parts of one name: EXR writers refuse that, so the bytes are changed. */
-static void test_repeated_part(void **state) {
-    (void)state;
+TEST(test_repeated_part) {
     uint8_t *copy = malloc(tight_file.size);
     assert_non_null(copy);
     memcpy(copy, tight_file.data, tight_file.size);
@@ -260,46 +214,38 @@ static void set_float(edit_file *e, const char *part, const char *channel, size_
     memcpy(edit_find_channel(e, part, channel)->data + 4 * pixel, &value, 4);
 }
 
-static void test_values(void **state) {
-    (void)state;
+TEST(test_values) {
     static const uint16_t bad_u8[] = {0x3800 /* 0.5 */, 0x5C00 /* 256 */, 0xBC00 /* -1 */, 0x7C00,
                                       0x7E01,           0x0001,           0x5BFC /* 255.5 */};
     static const char *const channels[][2] = {
         {"shadow", "Y"}, {"shift", "G"}, {"gain", "Y"}, {"centres", "B"}};
     for (size_t c = 0; c < sizeof channels / sizeof *channels; c++) {
         for (size_t i = 0; i < sizeof bad_u8 / sizeof *bad_u8; i++) {
-            char text[80];
-            edit_file *e = take(&tight_file);
-            set_half(e, channels[c][0], channels[c][1], 3, bad_u8[i]);
-            snprintf(text, sizeof text, "part %s: channel %s at (3, 0) holds half 0x%04x", channels[c][0],
-                     channels[c][1], bad_u8[i]);
-            file_refused(e, text);
+            EDIT_REFUSED(take(&tight_file), set_half(e, channels[c][0], channels[c][1], 3, bad_u8[i]),
+                         told("part %s: channel %s at (3, 0) holds half 0x%04x", channels[c][0],
+                              channels[c][1], bad_u8[i]));
         }
     }
     static const uint16_t bad_i8[] = {0xD800 /* -128 */, 0x5800 /* 128 */, 0x3800};
     for (size_t i = 0; i < sizeof bad_i8 / sizeof *bad_i8; i++) {
-        edit_file *e = take(&tight_file);
-        set_half(e, "residual_directions", "G", 0, bad_i8[i]);
-        file_refused(e, "part residual_directions: channel G at (0, 0) holds half");
+        EDIT_REFUSED(take(&tight_file), set_half(e, "residual_directions", "G", 0, bad_i8[i]),
+                     "part residual_directions: channel G at (0, 0) holds half");
     }
-    edit_file *e =
-        take(&tight_file); /* 7 layers of 5 x 4 in a sheet of 3 columns: (5, 8) is covered by none */
-    set_half(e, "shadow", "Y", 8 * 15 + 5, 0x3C00);
-    file_refused(e, "part shadow: channel Y at (5, 8) holds half 0x3c00");
+    /* 7 layers of 5 x 4 in a sheet of 3 columns: (5, 8) is covered by none */
+    EDIT_REFUSED(take(&tight_file), set_half(e, "shadow", "Y", 8 * 15 + 5, 0x3C00),
+                 "part shadow: channel Y at (5, 8) holds half 0x3c00");
 
     static const float bad_float[] = {NAN, INFINITY, 0x1p-25f, 1e-42f, 0x1.8p24f};
     for (size_t i = 0; i < sizeof bad_float / sizeof *bad_float; i++) {
-        e = take(&tight_file);
-        set_float(e, "sbrdf", "lobe2.Cy", 6, bad_float[i]);
-        file_refused(e, "sbrdf: channel lobe2.Cy at (1, 1) holds");
+        EDIT_REFUSED(take(&tight_file), set_float(e, "sbrdf", "lobe2.Cy", 6, bad_float[i]),
+                     "sbrdf: channel lobe2.Cy at (1, 1) holds");
     }
     static const uint16_t bad_half[] = {0x7C00, 0xFC00, 0x7FFF, 0x0001, 0x83FF};
     for (size_t i = 0; i < sizeof bad_half / sizeof *bad_half; i++) {
-        e = take(&paper_file);
-        set_half(e, "sbrdf", "lobe3.n", 19, bad_half[i]);
-        file_refused(e, "sbrdf: channel lobe3.n at (4, 3) holds");
+        EDIT_REFUSED(take(&paper_file), set_half(e, "sbrdf", "lobe3.n", 19, bad_half[i]),
+                     "sbrdf: channel lobe3.n at (4, 3) holds");
     }
-    e = take(&paper_file); /* G code 0 with an index of 65535 */
+    edit_file *e = take(&paper_file); /* G code 0 with an index of 65535 */
     set_half(e, "maps", "G", 0, 0);
     set_half(e, "maps", "B", 0, 0x5BF8);
     set_half(e, "maps", "A", 0, 0x5BF8);
@@ -310,8 +256,7 @@ static void test_values(void **state) {
     file_refused(e, "it has no meaning and must be 0");
 }
 
-static void test_attributes(void **state) {
-    (void)state;
+TEST(test_attributes) {
     static const char *const needed[] = {
         "version",        "layout",        "domain",      "width",     "height",
         "effects",        "lobes",         "colour",      "centres",   "residual",
@@ -319,27 +264,21 @@ static void test_attributes(void **state) {
         "atlasWidth",     "atlasHeight",   "views",       "lights",    "viewVertices",
         "lightVertices",  "viewGrid",      "lightGrid",   "viewCells", "lightCells"};
     for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
-        char name[64], text[96];
+        char name[64];
         snprintf(name, sizeof name, "openbtf.%s", needed[i]);
-        edit_file *e = take(&paper_file);
-        edit_remove_attribute(e, name);
-        snprintf(text, sizeof text, "attribute %s is missing", name);
-        file_refused(e, text);
-        e = take(&paper_file);
-        edit_find_attribute(e, name)->type = EXR_ATTR_DOUBLE;
-        snprintf(text, sizeof text, "attribute %s is of type double", name);
-        file_refused(e, text);
+        EDIT_REFUSED(take(&paper_file), edit_remove_attribute(e, name),
+                     told("attribute %s is missing", name));
+        EDIT_REFUSED(take(&paper_file), edit_find_attribute(e, name)->type = EXR_ATTR_DOUBLE,
+                     told("attribute %s is of type double", name));
     }
     edit_file *e = take(&paper_file);
     edit_find_attribute(e, "openbtf.version")->i = BTF_FORMAT_VERSION + 1;
     refused_as(e, BTF_ERROR_UNSUPPORTED, "format version 3 is newer than 2");
-    e = take(&paper_file);
-    edit_find_attribute(e, "openbtf.version")->i = 0;
-    file_refused(e, "openbtf.version is 0");
+    EDIT_REFUSED(take(&paper_file), edit_find_attribute(e, "openbtf.version")->i = 0,
+                 "openbtf.version is 0");
 }
 
-static void test_attribute_values(void **state) {
-    (void)state;
+TEST(test_attribute_values) {
     static const struct {
         const char *name;
         int32_t value;
@@ -366,9 +305,8 @@ static void test_attribute_values(void **state) {
     for (size_t i = 0; i < sizeof integers / sizeof *integers; i++) {
         char name[64];
         snprintf(name, sizeof name, "openbtf.%s", integers[i].name);
-        edit_file *e = take(&paper_file);
-        edit_find_attribute(e, name)->i = integers[i].value;
-        file_refused(e, integers[i].text);
+        EDIT_REFUSED(take(&paper_file), edit_find_attribute(e, name)->i = integers[i].value,
+                     integers[i].text);
     }
     static const struct {
         const char *name, *value, *text;
@@ -402,9 +340,7 @@ static void test_attribute_values(void **state) {
         for (size_t k = 0; k < 6; k++) {
             char name[64];
             snprintf(name, sizeof name, "openbtf.%s", scales[i]);
-            edit_file *e = take(&paper_file);
-            edit_find_attribute(e, name)->f = values[k];
-            file_refused(e, scales[i]);
+            EDIT_REFUSED(take(&paper_file), edit_find_attribute(e, name)->f = values[k], scales[i]);
         }
     }
 }
@@ -419,8 +355,7 @@ static void refused_count(const char *name, int count, const char *text) {
     count_refused(take(&paper_file), name, count, text);
 }
 
-static void test_directions(void **state) {
-    (void)state;
+TEST(test_directions) {
     refused_number("views", 2, 0.5f, "views: direction 0");
     refused_number("views", 5, -0.9f, "views: direction 1");
     refused_number("lights", 3, NAN, "lights: direction 1");
@@ -451,13 +386,11 @@ static void test_directions(void **state) {
     refused_number("residualScales", 2, 0x1p-30f, "residualScales: number 2");
     refused_number("residualScales", 0, NAN, "residualScales: number 0");
 
-    edit_file *e = take(&paper_file);
-    edit_remove_attribute(e, "openbtf.viewHull");
-    file_refused(e, "views: the hull has 0 vertices, which 8 directions cannot have");
-    e = take(&paper_file); /* the hull says more cells than there are records */
-    edit_remove_attribute(e, "openbtf.viewTriangles");
-    file_refused(e, "views: cell");
-    e = take(&paper_file); /* clockwise */
+    EDIT_REFUSED(take(&paper_file), edit_remove_attribute(e, "openbtf.viewHull"),
+                 "views: the hull has 0 vertices, which 8 directions cannot have");
+    EDIT_REFUSED(take(&paper_file), edit_remove_attribute(e, "openbtf.viewTriangles"),
+                 "views: cell");      /* the hull says more cells than there are records */
+    edit_file *e = take(&paper_file); /* clockwise */
     edit_attribute *hull = edit_find_attribute(e, "openbtf.lightHull");
     for (int i = 0; i < hull->count / 2; i++) {
         float swap = hull->values[i];
@@ -482,8 +415,7 @@ static void test_directions(void **state) {
 }
 
 /* A header that promises more than a file of its size can hold is refused before anything is allocated. */
-static void test_implausible(void **state) {
-    (void)state;
+TEST(test_implausible) {
     random_state r = {22};
     btf_material_desc desc = random_material_desc(1, 1, 256, 1, BTF_LAYOUT_TIGHT, BTF_EFFECT_SHIFT);
     random_material_fill(&r, &desc);
@@ -517,19 +449,4 @@ static void test_implausible(void **state) {
     random_material_free(&desc);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sampling),
-        cmocka_unit_test(test_other_writers),
-        cmocka_unit_test(test_display_window),
-        cmocka_unit_test(test_negative_zero),
-        cmocka_unit_test(test_parts),
-        cmocka_unit_test(test_repeated_part),
-        cmocka_unit_test(test_values),
-        cmocka_unit_test(test_attributes),
-        cmocka_unit_test(test_attribute_values),
-        cmocka_unit_test(test_directions),
-        cmocka_unit_test(test_implausible),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

@@ -4,16 +4,9 @@
  */
 #include "tests/conformance/gpu.h"
 #include "tests/conformance/synthetic.h"
+#include "tests/support/test.h"
 
 #include <openbtf/sampling.h>
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <stdio.h>
-#include <string.h>
 
 static gpu *device;
 static const gl_api *api;
@@ -83,11 +76,10 @@ static void set_state(bool odd, GLuint texture) {
 }
 
 /* Every texel arrives, whatever the state, which stays. */
-static void test_upload(void **state) {
+TEST(test_upload) {
     const btf_gl_options options = gpu_gl_options(device, NULL);
     btf_gl_light_sampling *s = NULL;
     GLuint texture, sampler;
-    (void)state;
     api->GenTextures(1, &texture);
     api->GenSamplers(1, &sampler);
     set_state(true, texture);
@@ -177,12 +169,11 @@ static btf_gl_function fake_get_proc_address(void *user, const char *name) {
 }
 
 /* Refusals say why and leave nothing behind. */
-static void test_refusals(void **state) {
+TEST(test_refusals) {
     const btf_gl_options faked = {sizeof faked, fake_get_proc_address, device, NULL},
                          none = {.struct_size = sizeof none};
     const GLint limits[] = {(GLint)tables->n_triangles - 1, (GLint)tables->n_views};
     btf_gl_light_sampling *s;
-    (void)state;
     assert_true(tables->n_views > tables->n_triangles && tables->n_triangles > tables->n_lights);
     for (size_t i = 0; i < 2; i++) {
         char number[40];
@@ -208,7 +199,4 @@ static void test_refusals(void **state) {
     assert_null(s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_upload), cmocka_unit_test(test_refusals)};
-    return cmocka_run_group_tests_name("gl-sampling", tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

@@ -7,22 +7,7 @@
 #include "tests/support/random_material.h"
 #include "tests/support/refusals.h"
 #include "decoder/toolkit/reference_view.h"
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#include "tests/support/light.h"
-
-typedef struct saved {
-    void *data;
-    size_t size;
-} saved;
+#include "tests/support/test.h"
 
 static saved save_small(btf_layout layout) {
     random_state r = {31};
@@ -61,8 +46,7 @@ static int teardown(void **state) {
 static void use_material(const btf_material *material) {
     static const float directions[4][3] = {
         {0, 0, 1}, {0.6f, 0, 0.8f}, {-0.48f, 0.64f, 0.6f}, {0.1f, -0.99f, 0.1f}};
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(material, &info);
+    btf_material_info info = accepted_info(material);
     btf_ref_material first, last;
     reference_view(material, 0, &first);
     reference_view(material, info.levels - 1, &last);
@@ -99,8 +83,7 @@ static bool opens(const uint8_t *data, size_t size) {
     return result == BTF_OK;
 }
 
-static void test_prefixes(void **state) {
-    (void)state;
+TEST(test_prefixes) {
     for (int f = 0; f < 2; f++) {
         for (size_t size = 0; size < files[f].size; size++) {
             if (opens(files[f].data, size)) {
@@ -112,8 +95,7 @@ static void test_prefixes(void **state) {
     }
 }
 
-static void test_flipped_bytes(void **state) {
-    (void)state;
+TEST(test_flipped_bytes) {
     static const uint8_t masks[] = {0xFF, 0x01, 0x80};
     for (int f = 0; f < 2; f++) {
         uint8_t *copy = malloc(files[f].size);
@@ -136,8 +118,7 @@ static void test_flipped_bytes(void **state) {
 }
 
 /* Several bytes at once: overwritten, swapped with others, runs of one value. */
-static void test_random_damage(void **state) {
-    (void)state;
+TEST(test_random_damage) {
     random_state r = {32};
     const int rounds = light_run() ? 1000 : 4000;
     for (int f = 0; f < 2; f++) {
@@ -168,8 +149,7 @@ static void test_random_damage(void **state) {
 }
 
 /* Values that a lone byte reaches seldom, at every aligned and unaligned place of the header. */
-static void test_extreme_integers(void **state) {
-    (void)state;
+TEST(test_extreme_integers) {
     static const uint32_t values[] = {0, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 0x40000000};
     const size_t header = files[1].size < 6000 ? files[1].size : 6000;
     uint8_t *copy = malloc(files[1].size);
@@ -187,12 +167,4 @@ static void test_extreme_integers(void **state) {
     free(copy);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_prefixes),
-        cmocka_unit_test(test_flipped_bytes),
-        cmocka_unit_test(test_random_damage),
-        cmocka_unit_test(test_extreme_integers),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

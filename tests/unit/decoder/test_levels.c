@@ -8,14 +8,8 @@
 #include "tests/support/exr_edit.h"
 #include "tests/support/random_material.h"
 #include "tests/support/refusals.h"
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "tests/support/same_material.h"
+#include "tests/support/test.h"
 
 static const btf_texture_id level_ids[5] = {BTF_TEXTURE_SBRDF, BTF_TEXTURE_SHADOW, BTF_TEXTURE_SHIFT,
                                             BTF_TEXTURE_GAIN, BTF_TEXTURE_RESIDUAL_TEXELS};
@@ -37,8 +31,7 @@ static btf_material_desc make_desc(random_state *r, uint32_t width, uint32_t hei
     return desc;
 }
 
-static void test_shapes(void **state) {
-    (void)state;
+TEST(test_shapes) {
     btf_material_info info = {.struct_size = sizeof info,
                               .width = 5,
                               .height = 3,
@@ -74,13 +67,11 @@ static void test_shapes(void **state) {
     assert_int_equal(btf_level_size(7, 40), 1);
 }
 
-static void test_info(void **state) {
-    (void)state;
+TEST(test_info) {
     random_state r = {41};
     btf_material_desc desc = make_desc(&r, 5, 3, 3, BTF_EFFECT_VERSION_1);
     btf_material *m = create_accepted(&desc);
-    btf_material_info info = {.struct_size = sizeof info};
-    btf_material_get_info(m, &info);
+    btf_material_info info = accepted_info(m);
     assert_int_equal(info.levels, 3);
     /* 64 of the SBRDF, 7 of shadows, 18 + 9 of shifts and gains, 8 of the residual, for 15 + 2 + 1 texels;
      * then 7 centres of 7 lights and 6 layers of 9 x 7 directions. */
@@ -105,55 +96,7 @@ static void test_info(void **state) {
     random_material_free(&desc);
 }
 
-static void assert_same_level(const btf_material *a, const btf_material_desc *desc, uint32_t level) {
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
-        btf_texture t = btf_material_level_texture(a, level, (btf_texture_id)id);
-        const void *given = level ? desc->level_texture[level][id] : desc->texture[id];
-        const bool table = id == BTF_TEXTURE_VIEW_TABLE || id == BTF_TEXTURE_LIGHT_TABLE;
-        assert_int_equal(t.data != NULL, given != NULL || (level == 0 && table));
-        if (given) {
-            assert_memory_equal(t.data, given, t.size);
-        }
-    }
-}
-
-static void round_trip(btf_material_desc *desc) {
-    btf_material *a = create_accepted(desc), *b;
-    void *data, *again;
-    size_t size, again_size, count;
-    assert_int_equal(btf_material_save_memory(a, &log_keep, &data, &size), BTF_OK);
-    btf_result result = btf_material_open_memory(data, size, &log_keep, &b);
-    if (result) {
-        print_error("open: %s\n", last_message);
-    }
-    assert_int_equal(result, BTF_OK);
-    btf_material_info ia = {.struct_size = sizeof ia}, ib = ia;
-    btf_material_get_info(a, &ia);
-    btf_material_get_info(b, &ib);
-    assert_int_equal(ib.levels, desc->info.levels);
-    assert_int_equal(ia.gpu_bytes, ib.gpu_bytes);
-    for (uint32_t level = 0; level < BTF_MAX_LEVELS; level++) {
-        assert_same_level(a, desc, level);
-        assert_same_level(b, desc, level);
-    }
-    const btf_level_error *errors = btf_material_level_errors(b, &count);
-    assert_int_equal(count, desc->level_error_count);
-    if (count) {
-        assert_memory_equal(errors, desc->level_errors, count * sizeof *errors);
-    } else {
-        assert_null(errors);
-    }
-    assert_int_equal(btf_material_save_memory(b, &log_keep, &again, &again_size), BTF_OK);
-    assert_int_equal(size, again_size);
-    assert_memory_equal(data, again, size);
-    btf_free(data);
-    btf_free(again);
-    btf_material_close(&a);
-    btf_material_close(&b);
-}
-
-static void test_round_trip(void **state) {
-    (void)state;
+TEST(test_round_trip) {
     static const struct {
         uint32_t width, height, levels;
     } cases[] = {{5, 3, 3}, {5, 3, 2}, {1, 1, 1}, {2, 1, 2}, {1, 13, 4}, {8, 8, 4}, {33, 6, 6}};
@@ -179,8 +122,7 @@ static void test_round_trip(void **state) {
     }
 }
 
-static void test_create_refuses(void **state) {
-    (void)state;
+TEST(test_create_refuses) {
     random_state r = {43};
     btf_material_desc good = make_desc(&r, 5, 3, 3, BTF_EFFECT_VERSION_1), bad = good;
     bad.info.levels = 4;
@@ -188,11 +130,9 @@ static void test_create_refuses(void **state) {
     bad.info.levels = 2;
     create_refused(&bad, "level2.sbrdf: given");
     for (int i = 0; i < 5; i++) {
-        char text[64];
         bad = good;
         bad.level_texture[2][level_ids[i]] = NULL;
-        snprintf(text, sizeof text, "level2.%s: missing", btf_texture_name(level_ids[i]));
-        create_refused(&bad, text);
+        create_refused(&bad, told("level2.%s: missing", btf_texture_name(level_ids[i])));
     }
     bad = good;
     bad.level_texture[1][BTF_TEXTURE_CENTRES] = good.texture[BTF_TEXTURE_CENTRES];
@@ -234,98 +174,75 @@ static void test_create_refuses(void **state) {
 }
 
 /* A saved material of 5 x 3, 2 x 1 and 1 x 1. */
-static edit_file *take(void) {
+static edit_file *take_levels(void) {
     random_state r = {44};
     btf_material_desc desc = make_desc(&r, 5, 3, 3, BTF_EFFECT_VERSION_1);
     const btf_level_error errors[3] = {{0, 30, 28, 2}, {1, 31, 28, 1}, {2, 32, 28, 1}};
     desc.level_errors = errors;
     desc.level_error_count = 3;
     btf_material *m = create_accepted(&desc);
-    void *data;
-    size_t size;
-    assert_int_equal(btf_material_save_memory(m, NULL, &data, &size), BTF_OK);
-    edit_file *file = edit_load(data, size);
-    btf_free(data);
+    saved s = save_material(m);
+    edit_file *file = take(&s);
+    btf_free(s.data);
     btf_material_close(&m);
     random_material_free(&desc);
     return file;
 }
 
-static void accepted(edit_file *file) {
-    btf_material *material;
-    assert_int_equal(open_edited(file, &material), BTF_OK);
-    btf_material_close(&material);
-}
-
-static void test_file_parts(void **state) {
-    (void)state;
+TEST(test_file_parts) {
     for (int i = 0; i < 5; i++) {
-        char part[40], text[128];
+        char part[40];
         snprintf(part, sizeof part, "level1.%s", btf_texture_name(level_ids[i]));
-        edit_file *e = take();
-        edit_remove_part(e, part);
-        snprintf(text, sizeof text, "part %s: missing", part);
-        refused_as(e, BTF_ERROR_BAD_FILE, text);
-        e = take(); /* the size of level 0 */
-        edit_resize(edit_find_part(e, part), 15, 9);
-        snprintf(text, sizeof text, "part %s: data window (0,0)-(14,8)", part);
-        refused_as(e, BTF_ERROR_BAD_FILE, text);
-        e = take();
+        EDIT_REFUSED(take_levels(), edit_remove_part(e, part), told("part %s: missing", part));
+        EDIT_REFUSED(take_levels(), edit_resize(edit_find_part(e, part), 15, 9),
+                     told("part %s: data window (0,0)-(14,8)", part)); /* the size of level 0 */
+        edit_file *e = take_levels();
         snprintf(part, sizeof part, "level3.%s", btf_texture_name(level_ids[i]));
         edit_copy_part(e, btf_texture_name(level_ids[i]), part);
-        snprintf(text, sizeof text, "part %s: unknown, or not in a material of these effects and levels",
-                 part);
-        refused_as(e, BTF_ERROR_BAD_FILE, text);
+        refused_as(e, BTF_ERROR_BAD_FILE,
+                   told("part %s: unknown, or not in a material of these effects and levels", part));
     }
     static const char *const superfluous[] = {"level1.centres", "level1.residual_directions",
                                               "level0.shadow", "level01.shadow", "level1"};
     for (size_t i = 0; i < sizeof superfluous / sizeof *superfluous; i++) {
-        edit_file *e = take();
-        edit_copy_part(e, "shadow", superfluous[i]);
-        refused_as(e, BTF_ERROR_BAD_FILE, superfluous[i]);
+        EDIT_REFUSED(take_levels(), edit_copy_part(e, "shadow", superfluous[i]), superfluous[i]);
     }
-    edit_file *e = take();
+    edit_file *e = take_levels();
     uint16_t half = 0x3800;
     memcpy(edit_find_channel(e, "level2.shadow", "Y")->data, &half, 2);
     refused_as(e, BTF_ERROR_BAD_FILE, "part level2.shadow: channel Y at (0, 0) holds half 0x3800");
-    e = take();
+    e = take_levels();
     for (int c = 0; c < edit_find_part(e, "level1.sbrdf")->channel_count; c++) {
         edit_find_part(e, "level1.sbrdf")->channels[c].type = EXR_PIXEL_HALF;
     }
     refused_as(e, BTF_ERROR_BAD_FILE, "part level1.sbrdf: channel "); /* all FLOAT or all HALF */
-    e = take();
+    e = take_levels();
     edit_copy_part(e, "level1.shadow", "x-level1.shadow");
-    accepted(e);
+    file_accepted(e);
 }
 
-static void test_file_attributes(void **state) {
-    (void)state;
-    edit_file *e = take();
-    edit_remove_attribute(e, "openbtf.levels"); /* one level: the errors of level 1 are a contradiction */
-    refused_as(e, BTF_ERROR_BAD_FILE, "level errors: row 1 is of level 1; levels must rise and be below 1");
-    e = take();
+TEST(test_file_attributes) {
+    EDIT_REFUSED(
+        take_levels(), edit_remove_attribute(e, "openbtf.levels"),
+        "level errors: row 1 is of level 1; levels must rise and be below 1"); /* one level: the errors of level 1 are a contradiction */
+    edit_file *e = take_levels();
     edit_remove_attribute(e, "openbtf.levels");
     edit_remove_attribute(e, "openbtf.levelErrors");
     refused_as(e, BTF_ERROR_BAD_FILE, "part level1.");
-    e = take();
+    e = take_levels();
     edit_remove_attribute(e, "openbtf.levelErrors");
-    accepted(e);
-    e = take();
-    edit_find_attribute(e, "openbtf.levels")->i = 4;
-    refused_as(e, BTF_ERROR_BAD_FILE, "levels 4 is not within 1 to 3");
-    e = take();
-    edit_find_attribute(e, "openbtf.levels")->i = 16;
-    refused_as(e, BTF_ERROR_BAD_FILE, "attribute openbtf.levels is 16, not within 1 to 15");
-    e = take();
-    edit_find_attribute(e, "openbtf.levels")->type = EXR_ATTR_DOUBLE;
-    refused_as(e, BTF_ERROR_BAD_FILE, "attribute openbtf.levels is of type double");
+    file_accepted(e);
+    EDIT_REFUSED(take_levels(), edit_find_attribute(e, "openbtf.levels")->i = 4,
+                 "levels 4 is not within 1 to 3");
+    EDIT_REFUSED(take_levels(), edit_find_attribute(e, "openbtf.levels")->i = 16,
+                 "attribute openbtf.levels is 16, not within 1 to 15");
+    EDIT_REFUSED(take_levels(), edit_find_attribute(e, "openbtf.levels")->type = EXR_ATTR_DOUBLE,
+                 "attribute openbtf.levels is of type double");
     static const float bad[] = {0.5f, -1, 15, 2};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        e = take();
-        edit_find_attribute(e, "openbtf.levelErrors")->values[4] = bad[i];
-        refused_as(e, BTF_ERROR_BAD_FILE,
-                   i < 3 ? "attribute openbtf.levelErrors: row 1 is of level"
-                         : "level errors: row 2 is of level 2; levels must rise and be below 3");
+        EDIT_REFUSED(take_levels(), edit_find_attribute(e, "openbtf.levelErrors")->values[4] = bad[i],
+                     i < 3 ? "attribute openbtf.levelErrors: row 1 is of level"
+                           : "level errors: row 2 is of level 2; levels must rise and be below 3");
     }
 }
 
@@ -344,8 +261,7 @@ static btf_material *alone(const btf_material_desc *desc, uint32_t level) {
     return create_accepted(&one);
 }
 
-static void test_reference(void **state) {
-    (void)state;
+TEST(test_reference) {
     random_state r = {45};
     btf_material_desc desc = make_desc(&r, 13, 6, 4, BTF_EFFECT_VERSION_1);
     btf_material *m = create_accepted(&desc);
@@ -378,12 +294,4 @@ static void test_reference(void **state) {
     random_material_free(&desc);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shapes),     cmocka_unit_test(test_info),
-        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_create_refuses),
-        cmocka_unit_test(test_file_parts), cmocka_unit_test(test_file_attributes),
-        cmocka_unit_test(test_reference),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,116 +4,29 @@
  */
 #include "tests/support/random_material.h"
 #include "tests/support/refusals.h"
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/same_material.h"
+#include "tests/support/test.h"
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
-static void assert_same_directions(btf_directions a, btf_directions b) {
-    assert_int_equal(a.count, b.count);
-    assert_memory_equal(a.xyz, b.xyz, a.count * 3 * sizeof *a.xyz);
-    assert_memory_equal(a.vertices, b.vertices, a.count * 2 * sizeof *a.vertices);
-    assert_int_equal(a.triangle_count, b.triangle_count);
-    if (a.triangle_count) {
-        assert_memory_equal(a.triangles, b.triangles, a.triangle_count * 3);
-    }
-    assert_int_equal(a.hull_count, b.hull_count);
-    if (a.hull_count) {
-        assert_memory_equal(a.hull, b.hull, a.hull_count);
-    }
-    assert_int_equal(a.grid, b.grid);
-    assert_int_equal(a.cells_length, b.cells_length);
-    assert_memory_equal(a.cells, b.cells, a.cells_length * sizeof *a.cells);
-}
-
-static void assert_same_material(const btf_material *a, const btf_material *b) {
-    btf_material_info ia = {.struct_size = sizeof ia}, ib = {.struct_size = sizeof ib};
-    assert_int_equal(btf_material_get_info(a, &ia), BTF_OK);
-    assert_int_equal(btf_material_get_info(b, &ib), BTF_OK);
-    assert_string_equal(ia.method, ib.method);
-    assert_string_equal(ia.options, ib.options);
-    assert_string_equal(ia.source, ib.source);
-    ia.method = ib.method = ia.options = ib.options = ia.source = ib.source = NULL;
-    assert_memory_equal(&ia, &ib, sizeof ia);
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
-        btf_texture ta = btf_material_texture(a, (btf_texture_id)id),
-                    tb = btf_material_texture(b, (btf_texture_id)id);
-        assert_int_equal(ta.format, tb.format);
-        assert_int_equal(ta.width, tb.width);
-        assert_int_equal(ta.height, tb.height);
-        assert_int_equal(ta.layers, tb.layers);
-        assert_int_equal(ta.is_array, tb.is_array);
-        assert_int_equal(ta.size, tb.size);
-        if (ta.size) {
-            assert_memory_equal(ta.data, tb.data, ta.size);
-        } else {
-            assert_null(ta.data);
-        }
-    }
-    assert_same_directions(btf_material_views(a), btf_material_views(b));
-    assert_same_directions(btf_material_lights(a), btf_material_lights(b));
-    size_t na, nb;
-    const btf_material_error *ea = btf_material_errors(a, &na), *eb = btf_material_errors(b, &nb);
-    assert_int_equal(na, nb);
-    if (na) {
-        assert_memory_equal(ea, eb, na * sizeof *ea);
-    } else {
-        assert_null(ea);
-    }
-}
-
-/* Creates, saves to memory, opens, compares, with what was given too. */
-static void round_trip(random_state *r, btf_material_desc *desc) {
+static void fill_and_round_trip(random_state *r, btf_material_desc *desc) {
     random_material_fill(r, desc);
-    btf_material *a = create_accepted(desc), *b;
-    void *data, *again;
-    size_t size, again_size;
-    assert_int_equal(btf_material_save_memory(a, &log_keep, &data, &size), BTF_OK);
-    btf_result result = btf_material_open_memory(data, size, &log_keep, &b);
-    if (result) {
-        print_error("open: %s\n", last_message);
-    }
-    assert_int_equal(result, BTF_OK);
-    assert_same_material(a, b);
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
-        btf_texture t = btf_material_texture(b, (btf_texture_id)id);
-        if (desc->texture[id]) {
-            assert_memory_equal(t.data, desc->texture[id], t.size);
-        }
-    }
-    assert_memory_equal(btf_material_views(b).xyz, desc->views, desc->info.n_views * 3 * sizeof(float));
-    assert_memory_equal(btf_material_lights(b).xyz, desc->lights, desc->info.n_lights * 3 * sizeof(float));
-    assert_int_equal(btf_material_save_memory(b, &log_keep, &again, &again_size), BTF_OK);
-    assert_int_equal(size, again_size);
-    assert_memory_equal(data, again, size);
-    btf_free(data);
-    btf_free(again);
-    btf_material_close(&a);
-    btf_material_close(&b);
-    assert_null(a);
+    round_trip(desc);
 }
 
-static void test_round_trip_effects(void **state) {
-    (void)state;
+TEST(test_round_trip_effects) {
     random_state r = {1};
     for (int layout = 0; layout < 2; layout++) {
         for (uint32_t effects = 0; effects <= BTF_EFFECT_VERSION_1; effects++) {
             btf_material_desc desc = random_material_desc(5, 3, 9, 4, (btf_layout)layout, effects);
             desc.info.domain = (btf_domain)(effects & 1);
-            round_trip(&r, &desc);
+            fill_and_round_trip(&r, &desc);
             random_material_free(&desc);
         }
     }
 }
 
-static void test_round_trip_models(void **state) {
-    (void)state;
+TEST(test_round_trip_models) {
     random_state r = {2};
     for (int layout = 0; layout < 2; layout++) {
         for (int half = 0; half < 2; half++) {
@@ -125,7 +38,7 @@ static void test_round_trip_models(void **state) {
                     desc.info.half_float = half && colour != BTF_COLOUR_NONE;
                     desc.info.lobes = colour == BTF_COLOUR_NONE ? 0 : lobes;
                     desc.info.components = 3 * lobes;
-                    round_trip(&r, &desc);
+                    fill_and_round_trip(&r, &desc);
                     random_material_free(&desc);
                 }
             }
@@ -133,8 +46,7 @@ static void test_round_trip_models(void **state) {
     }
 }
 
-static void test_round_trip_extremes(void **state) {
-    (void)state;
+TEST(test_round_trip_extremes) {
     static const uint32_t shapes[][6] = {/* W, H, views, lights, centres, components */
                                          {1, 1, 1, 1, 1, 1},        {1, 1, 256, 2, 65536, 256},
                                          {1, 9, 2, 256, 4097, 4},   {17, 1, 3, 2, 4096, 5},
@@ -147,14 +59,13 @@ static void test_round_trip_extremes(void **state) {
                 random_material_desc(s[0], s[1], s[2], s[3], (btf_layout)layout, BTF_EFFECT_VERSION_1);
             desc.info.centres = s[4];
             desc.info.components = s[5];
-            round_trip(&r, &desc);
+            fill_and_round_trip(&r, &desc);
             random_material_free(&desc);
         }
     }
 }
 
-static void test_provenance(void **state) {
-    (void)state;
+TEST(test_provenance) {
     random_state r = {4};
     btf_material_desc desc = random_material_desc(4, 4, 3, 3, BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW);
     const btf_material_error errors[2] = {{0, 20.5f, 18.25f, 1000},
@@ -168,12 +79,11 @@ static void test_provenance(void **state) {
     desc.info.shadow_scale = 1 / 255.0f;
     desc.info.gain_scale = 0x1p-24f;
     desc.info.centre_scale = 0x1p24f;
-    round_trip(&r, &desc);
+    fill_and_round_trip(&r, &desc);
     random_material_free(&desc);
 }
 
-static void test_path(void **state) {
-    (void)state;
+TEST(test_path) {
     char folder[] = "/tmp/openbtf-test-XXXXXX", path[64], link[64], missing[80];
     if (!mkdtemp(folder)) {
         fail();
@@ -233,8 +143,7 @@ static void check_atlas(uint32_t size_w, uint32_t size_h, uint32_t directions, u
     assert_int_equal(ar, room);
 }
 
-static void test_atlas_numbers(void **state) {
-    (void)state;
+TEST(test_atlas_numbers) {
     check_atlas(64, 64, 81, BTF_EFFECT_HIDDEN, 1024, 512, 1984);
     check_atlas(64, 64, 81, 0, 1024, 512, 1984);
     check_atlas(32, 32, 81, BTF_EFFECT_HIDDEN, 512, 256, 480);
@@ -280,8 +189,7 @@ static void test_atlas_numbers(void **state) {
 }
 
 /* More centres than the smallest atlas holds take the next one that does. */
-static void test_atlas_asked(void **state) {
-    (void)state;
+TEST(test_atlas_asked) {
     btf_material_info info = {.width = 64, .height = 64, .n_views = 81, .n_lights = 81};
     uint32_t width, height, room;
     info.effects = BTF_EFFECT_HIDDEN;
@@ -317,8 +225,7 @@ static long count_room(const btf_material_info *info, uint32_t width, uint32_t h
 }
 
 /* Odd sizes: centres and tiles never meet, centres are distinct, and no smaller atlas would do. */
-static void test_atlas_disjoint(void **state) {
-    (void)state;
+TEST(test_atlas_disjoint) {
     static const uint32_t shapes[][4] = {{3, 5, 7, 9},     {5, 3, 9, 7},     {13, 7, 30, 11},
                                          {1, 1, 256, 1},   {20, 33, 81, 16}, {7, 50, 19, 3},
                                          {64, 64, 81, 81}, {10, 10, 33, 5}};
@@ -363,14 +270,12 @@ static void test_atlas_disjoint(void **state) {
     }
 }
 
-static void test_info(void **state) {
-    (void)state;
+TEST(test_info) {
     random_state r = {6};
     btf_material_desc desc = random_material_desc(4, 4, 3, 5, BTF_LAYOUT_TIGHT, BTF_EFFECT_VERSION_1);
     random_material_fill(&r, &desc);
     btf_material *a = create_accepted(&desc);
-    btf_material_info info = {.struct_size = sizeof info};
-    assert_int_equal(btf_material_get_info(a, &info), BTF_OK);
+    btf_material_info info = accepted_info(a);
     /* 4 RGBA32F; 5 shadow maps; 3 x (gain 1, shift 2); 7 centres of 5 lights; U in 2 layers; V in 6 */
     assert_int_equal(info.gpu_bytes, 16 * 64 + 16 * 5 + 16 * 3 * 3 + 7 * 5 * 4 + 16 * 2 * 4 + 15 * 6 * 4);
     assert_int_equal(info.table_bytes, btf_material_texture(a, BTF_TEXTURE_VIEW_TABLE).size +
@@ -385,8 +290,7 @@ static void test_info(void **state) {
     random_material_free(&desc);
 }
 
-static void test_create_refuses_info(void **state) {
-    (void)state;
+TEST(test_create_refuses_info) {
     random_state r = {7};
     btf_material_desc good = random_material_desc(4, 4, 3, 3, BTF_LAYOUT_PAPER, BTF_EFFECT_VERSION_1), bad;
     random_material_fill(&r, &good);
@@ -474,8 +378,7 @@ static void refused_half(btf_material_desc *desc, size_t i, uint16_t value, cons
     data[i] = old;
 }
 
-static void test_create_refuses_values(void **state) {
-    (void)state;
+TEST(test_create_refuses_values) {
     random_state r = {8};
     btf_material_desc d = random_material_desc(4, 4, 5, 3, BTF_LAYOUT_TIGHT, BTF_EFFECT_VERSION_1);
     d.info.colour = BTF_COLOUR_RGB;
@@ -527,8 +430,7 @@ static void test_create_refuses_values(void **state) {
     random_material_free(&d);
 }
 
-static void test_create_refuses_maps(void **state) {
-    (void)state;
+TEST(test_create_refuses_maps) {
     random_state r = {9};
     btf_material_desc d = random_material_desc(4, 4, 3, 5, BTF_LAYOUT_PAPER, 15);
     random_material_fill(&r, &d);
@@ -564,8 +466,7 @@ static void test_create_refuses_maps(void **state) {
     random_material_free(&d);
 }
 
-static void test_negative_zero(void **state) {
-    (void)state;
+TEST(test_negative_zero) {
     random_state r = {10};
     btf_material_desc d = random_material_desc(2, 2, 3, 3, BTF_LAYOUT_TIGHT, BTF_EFFECT_RESIDUAL);
     random_material_fill(&r, &d);
@@ -578,8 +479,7 @@ static void test_negative_zero(void **state) {
     random_material_free(&d);
 }
 
-static void test_names(void **state) {
-    (void)state;
+TEST(test_names) {
     assert_string_equal(btf_texture_name(BTF_TEXTURE_RESIDUAL_TEXELS), "residual_texels");
     assert_string_equal(btf_texture_name((btf_texture_id)99), "unknown");
     assert_int_equal(btf_format_size(BTF_FORMAT_NONE), 0);
@@ -594,22 +494,4 @@ static void test_names(void **state) {
     assert_int_equal(btf_result_exit_code((btf_result)99), 4);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip_effects),
-        cmocka_unit_test(test_round_trip_models),
-        cmocka_unit_test(test_round_trip_extremes),
-        cmocka_unit_test(test_provenance),
-        cmocka_unit_test(test_path),
-        cmocka_unit_test(test_atlas_numbers),
-        cmocka_unit_test(test_atlas_asked),
-        cmocka_unit_test(test_atlas_disjoint),
-        cmocka_unit_test(test_info),
-        cmocka_unit_test(test_create_refuses_info),
-        cmocka_unit_test(test_create_refuses_values),
-        cmocka_unit_test(test_create_refuses_maps),
-        cmocka_unit_test(test_negative_zero),
-        cmocka_unit_test(test_names),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

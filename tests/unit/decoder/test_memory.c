@@ -8,18 +8,11 @@
 #include "decoder/gl_functions.h"
 #include "tests/support/factor_material.h"
 #include "tests/support/refusals.h"
+#include "tests/support/test.h"
 #include <openbtf/gl.h>
 #include <openbtf/plan.h>
 #include <openbtf/shader.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define SANITIZED 1
@@ -360,45 +353,37 @@ static void every_image(void) {
     }
 }
 
-static void test_create(void **state) {
-    (void)state;
+TEST(test_create) {
     every_failure("create", do_create, 0);
 }
 
-static void test_open(void **state) {
-    (void)state;
+TEST(test_open) {
     every_failure("open", do_open, 0);
 }
 
-static void test_open_file(void **state) {
-    (void)state;
+TEST(test_open_file) {
     every_failure("open a path", do_open_file, 0);
 }
 
-static void test_restrict(void **state) {
-    (void)state;
+TEST(test_restrict) {
     every_failure("plan", do_plan, 0);
     every_failure("restrict", do_restrict, 0);
     every_failure("to layout tight", do_tight, 0);
 }
 
-static void test_save(void **state) {
-    (void)state;
+TEST(test_save) {
     every_failure("save", do_save, 1);
 }
 
-static void test_save_file(void **state) {
-    (void)state;
+TEST(test_save_file) {
     every_failure("save to a path", do_save_file, 1);
 }
 
-static void test_shader(void **state) {
-    (void)state;
+TEST(test_shader) {
     every_failure("shader source", do_shader, 0);
 }
 
-static void test_upload(void **state) {
-    (void)state;
+TEST(test_upload) {
     images_left = 1 << 30;
     every_failure("upload", do_upload, 0);
     every_image();
@@ -406,12 +391,7 @@ static void test_upload(void **state) {
 
 int main(void) {
     printf("TITLE | A failing allocator: the n-th allocation of a call fails, for every n.\n");
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_create),    cmocka_unit_test(test_open),     cmocka_unit_test(test_save),
-        cmocka_unit_test(test_open_file), cmocka_unit_test(test_restrict), cmocka_unit_test(test_save_file),
-        cmocka_unit_test(test_shader),    cmocka_unit_test(test_upload),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_listed("tests", NULL, NULL);
 }
 #else
 int main(void) {

@@ -3,23 +3,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <openbtf/reference.h>
 #include "decoder/toolkit/reference_view.h"
 #include "tests/support/factor_material.h"
 #include "tests/support/plan_decode.h"
-#include <math.h>
+#include "tests/support/test.h"
 #include <openbtf/plan.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static btf_material *make(btf_material_desc *desc, random_state *r) {
     btf_material *material = NULL;
@@ -61,8 +50,7 @@ static int decodes_alike(random_state *r, const btf_material *whole, const btf_m
 }
 
 /* Every direction, every effect: a GPU that cannot hold the atlas. */
-static void tight_decodes_like_paper(void **state) {
-    (void)state;
+TEST(tight_decodes_like_paper) {
     random_state r = {11};
     int lit = 0;
     for (uint32_t effects = 0; effects < 32; effects++) {
@@ -87,8 +75,7 @@ static void tight_decodes_like_paper(void **state) {
     assert_true(lit > 32 * 30);
 }
 
-static void restrictions_decode_alike(void **state) {
-    (void)state;
+TEST(restrictions_decode_alike) {
     enum { MATERIALS = 60, PLANS = 12, SAMPLES = 60 };
     random_state r = {7};
     int lit = 0, fewer = 0;
@@ -145,8 +132,7 @@ static void restrictions_decode_alike(void **state) {
 }
 
 /* Few directions are enough for few directions, and each texture shrinks with them. */
-static void restrictions_are_small(void **state) {
-    (void)state;
+TEST(restrictions_are_small) {
     random_state r = {3};
     btf_material_desc desc = random_material_desc(16, 16, 81, 81, BTF_LAYOUT_PAPER,
                                                   BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN);
@@ -198,8 +184,7 @@ static unsigned number_after(const char *text, const char *name, int skip) {
     return (unsigned)strtoul(at, NULL, 10);
 }
 
-static void fixed_neighbours_are_the_reference_s(void **state) {
-    (void)state;
+TEST(fixed_neighbours_are_the_reference_s) {
     random_state r = {11};
     btf_material_desc desc = random_material_desc(4, 4, 81, 30, BTF_LAYOUT_TIGHT, 0);
     btf_material *material = make(&desc, &r);
@@ -323,8 +308,7 @@ static btf_material *make_known(int parts) {
     return make(&desc, &r);
 }
 
-static void plans_tell_of_what_lies_between(void **state) {
-    (void)state;
+TEST(plans_tell_of_what_lies_between) {
     btf_material *plain = make_known(PLAIN), *material = make_known(WITH_BETWEEN);
     btf_scene scene = {.struct_size = sizeof scene, .view.theta = {0, 30}};
     btf_plan plan;
@@ -359,8 +343,7 @@ static void plans_tell_of_what_lies_between(void **state) {
 
 /* Between the samples a plan adds its squared difference to everything decoded; without a table of these, the mean of what
  * the error grows by at the samples and against interpolated data. Where nothing is known between, neither counts. */
-static void plans_add_differences(void **state) {
-    (void)state;
+TEST(plans_add_differences) {
     enum { CHEAPEST = BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL };
     btf_material *told = make_known(WITH_BETWEEN | WITH_DIFFERENCES | WITH_SAMPLES),
                  *old = make_known(WITH_BETWEEN | WITH_SAMPLES), *silent = make_known(WITH_DIFFERENCES);
@@ -390,8 +373,7 @@ static void plans_add_differences(void **state) {
 }
 
 /* Differences whose bands are not those of the errors are passed over: rows would be read beyond their ends. */
-static void differences_of_other_bands_count_for_nothing(void **state) {
-    (void)state;
+TEST(differences_of_other_bands_count_for_nothing) {
     btf_material *other = make_known(WITH_BETWEEN | WITH_SAMPLES | WITH_OTHER_BANDS),
                  *without = make_known(WITH_BETWEEN | WITH_SAMPLES);
     const btf_scene scene = {.struct_size = sizeof scene, .view.theta = {0, 30}};
@@ -408,8 +390,7 @@ static void differences_of_other_bands_count_for_nothing(void **state) {
     btf_material_close(&without);
 }
 
-static void plans_follow_the_table(void **state) {
-    (void)state;
+TEST(plans_follow_the_table) {
     btf_material *material = make_known(PLAIN);
     btf_scene scene = {.struct_size = sizeof scene};
     btf_plan plan;
@@ -467,8 +448,7 @@ static void plans_follow_the_table(void **state) {
 
 /* The model that plan.h promises: less is never dearer, and a view that stands still at a sample makes the
  * full decode cheaper too where its groups are a loop. */
-static void costs_follow_the_model(void **state) {
-    (void)state;
+TEST(costs_follow_the_model) {
     random_state r = {5};
     const uint32_t all =
         BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL;
@@ -517,8 +497,7 @@ static float cost_of_residual(const btf_material *material, btf_shader_options o
 
 /* Of factors as of all else: less is never dearer, in proportion to the units; u is fetched once where no
  * view shifts its source. */
-static void costs_of_factors_follow_the_model(void **state) {
-    (void)state;
+TEST(costs_of_factors_follow_the_model) {
     random_state r = {6};
     static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{2, 4, 2}, {1, 1, 1}, {5, 2, 3}, {1}, {4}};
     const uint32_t all = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_RESIDUAL;
@@ -562,8 +541,7 @@ static void costs_of_factors_follow_the_model(void **state) {
     btf_material_close(&material);
 }
 
-static void wrong_scenes_are_refused(void **state) {
-    (void)state;
+TEST(wrong_scenes_are_refused) {
     random_state r = {5};
     btf_material_desc desc = random_material_desc(4, 4, 7, 7, BTF_LAYOUT_TIGHT, 0);
     btf_material *material = make(&desc, &r), *small = (btf_material *)&desc;
@@ -596,19 +574,4 @@ static void wrong_scenes_are_refused(void **state) {
     btf_material_close(&material);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(tight_decodes_like_paper),
-        cmocka_unit_test(restrictions_decode_alike),
-        cmocka_unit_test(restrictions_are_small),
-        cmocka_unit_test(fixed_neighbours_are_the_reference_s),
-        cmocka_unit_test(plans_follow_the_table),
-        cmocka_unit_test(plans_tell_of_what_lies_between),
-        cmocka_unit_test(costs_follow_the_model),
-        cmocka_unit_test(costs_of_factors_follow_the_model),
-        cmocka_unit_test(plans_add_differences),
-        cmocka_unit_test(differences_of_other_bands_count_for_nothing),
-        cmocka_unit_test(wrong_scenes_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

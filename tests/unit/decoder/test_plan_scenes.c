@@ -4,23 +4,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/cli.h"
 #include "encoder/job/settings.h"
 #include "encoder/input/reader.h"
 #include "tests/bench/plan/plan_scenes.h"
 #include "tests/sample/sample.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 static const enc_context context = {.threads = 2};
 static const float tolerance = 0.5f;
@@ -95,15 +84,13 @@ static enc_data *make_sample(void) {
     return data;
 }
 
-static void joint_sample(void **state) {
-    (void)state;
+TEST(joint_sample) {
     enc_data *data = make_sample();
     check_joint("bricks, joint", data, 3);
     enc_data_destroy(&data);
 }
 
-static void paper_sample(void **state) {
-    (void)state;
+TEST(paper_sample) {
     enc_data *data = make_sample();
     const enc_paper_options options = enc_paper_options_default();
     enc_solution found;
@@ -119,8 +106,7 @@ static void paper_sample(void **state) {
     enc_data_destroy(&data);
 }
 
-static void shared_sets(void **state) {
-    (void)state;
+TEST(shared_sets) {
     static const char *const names[] = {"BRICKS64", "UBO_IMPALLA64"};
     const char *shared = getenv("BTF_SHARED");
     for (int i = 0; i < 2; i++) {
@@ -141,9 +127,6 @@ static void shared_sets(void **state) {
 }
 
 int main(int argc, char **argv) {
-    const struct CMUnitTest sample[] = {cmocka_unit_test(joint_sample), cmocka_unit_test(paper_sample)};
-    const struct CMUnitTest shared[] = {cmocka_unit_test(shared_sets)};
-    const bool is_long = argc > 1 && strcmp(argv[1], "--long") == 0;
-    return is_long ? cmocka_run_group_tests(shared, NULL, NULL)
-                   : cmocka_run_group_tests(sample, NULL, NULL);
+    cmocka_set_test_filter(argc > 1 && strcmp(argv[1], "--long") == 0 ? "shared_*" : "*_sample");
+    return run_listed("tests", NULL, NULL);
 }

@@ -8,16 +8,9 @@
 #include "tests/support/factor_material.h"
 #include "tests/support/plan_decode.h"
 #include "tests/support/refusals.h"
-#include <math.h>
+#include "tests/support/same_material.h"
+#include "tests/support/test.h"
 #include <openbtf/plan.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 enum { WIDTH = 9, HEIGHT = 6, VIEWS = 19, LIGHTS = 7 };
 enum { BOTH = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
@@ -40,8 +33,7 @@ static btf_material_desc make_desc(uint64_t seed, uint32_t effects, uint32_t lev
     return desc;
 }
 
-static void test_shapes(void **state) {
-    (void)state;
+TEST(test_shapes) {
     btf_material_desc desc = make_desc(1, BOTH, 3);
     btf_material *m = create_accepted(&desc);
     const btf_material_info info = accepted_info(m);
@@ -90,8 +82,7 @@ static void test_shapes(void **state) {
 }
 
 /* With relief, gloss, both or neither: the textures that there are, and the views that relief acts on. */
-static void test_either(void **state) {
-    (void)state;
+TEST(test_either) {
     for (int i = 0; i < 5; i++) {
         const uint32_t effects = i == 0   ? 0
                                  : i == 1 ? BTF_EFFECT_GLOSS
@@ -145,8 +136,7 @@ static void set_member(btf_material_info *info, member which, int64_t value) {
     }
 }
 
-static void test_create_refuses(void **state) {
-    (void)state;
+TEST(test_create_refuses) {
     static const struct {
         uint32_t effects;
         member which;
@@ -194,8 +184,7 @@ static void test_create_refuses(void **state) {
     }
 }
 
-static void test_create_refuses_others(void **state) {
-    (void)state;
+TEST(test_create_refuses_others) {
     btf_material_desc good = make_desc(4, BOTH | BTF_EFFECT_RESIDUAL, 2), bad = good;
     const uint8_t acts[VIEWS] = {0, 1, 1, 0, 2}, *const own = good.relief_views;
     const float vectors[4 * VIEWS] = {0};
@@ -243,51 +232,8 @@ static void test_create_refuses_others(void **state) {
     }
 }
 
-static void assert_same(const btf_material *a, const btf_material *b) {
-    const btf_material_info x = accepted_info(a), y = accepted_info(b);
-    assert_int_equal(x.version, y.version);
-    assert_int_equal(x.effects, y.effects);
-    assert_int_equal(x.levels, y.levels);
-    assert_int_equal(x.relief_base, y.relief_base);
-    assert_int_equal(x.relief_step, y.relief_step);
-    assert_int_equal(x.relief_steps, y.relief_steps);
-    assert_int_equal(x.relief_level, y.relief_level);
-    assert_int_equal(x.relief_end, y.relief_end);
-    assert_int_equal(x.gloss_share, y.gloss_share);
-    assert_int_equal(x.gpu_bytes, y.gpu_bytes);
-    assert_int_equal(x.table_bytes, y.table_bytes);
-    for (uint32_t level = 0; level < x.levels; level++) {
-        for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
-            const btf_texture s = btf_material_level_texture(a, level, (btf_texture_id)id),
-                              t = btf_material_level_texture(b, level, (btf_texture_id)id);
-            assert_int_equal(s.size, t.size);
-            if (s.size) {
-                assert_memory_equal(s.data, t.data, s.size);
-            }
-        }
-    }
-}
-
-/* A material that was written is read, and written again byte for byte. */
-static btf_material *through_a_file(const btf_material *m) {
-    void *data, *again;
-    size_t size, again_size;
-    btf_material *opened;
-    assert_int_equal(btf_material_save_memory(m, NULL, &data, &size), BTF_OK);
-    if (btf_material_open_memory(data, size, &log_keep, &opened)) {
-        fail_msg("%s", last_message);
-    }
-    assert_int_equal(btf_material_save_memory(opened, NULL, &again, &again_size), BTF_OK);
-    assert_int_equal(size, again_size);
-    assert_memory_equal(data, again, size);
-    btf_free(data);
-    btf_free(again);
-    return opened;
-}
-
 /* Every set of effects, and the most textures that a file may have. */
-static void test_round_trip(void **state) {
-    (void)state;
+TEST(test_round_trip) {
     random_state r = {6};
     for (uint32_t effects = 32; effects <= BTF_EFFECT_ALL; effects++) {
         const bool most = effects == BTF_EFFECT_ALL;
@@ -302,10 +248,9 @@ static void test_round_trip(void **state) {
         }
         random_material_fill(&r, &desc);
         btf_material *m = create_accepted(&desc), *opened = through_a_file(m), *tight;
-        assert_same(m, opened);
         assert_int_equal(btf_material_to_tight(m, NULL, &tight), BTF_OK);
         if (!(effects & BTF_EFFECT_HIDDEN)) { /* of whose centres those stay that are shown */
-            assert_same(m, tight);
+            assert_same_material(m, tight);
         }
         btf_material_close(&tight);
         btf_material_close(&m);
@@ -315,71 +260,45 @@ static void test_round_trip(void **state) {
 }
 
 /* A file of two levels, to be edited. */
-static void *file_data;
-static size_t file_size;
+static saved file;
 
 static int setup(void **state) {
     (void)state;
     btf_material_desc desc = make_desc(7, BOTH, 2);
     btf_material *m = create_accepted(&desc);
-    const btf_result result = btf_material_save_memory(m, NULL, &file_data, &file_size);
+    file = save_material(m);
     btf_material_close(&m);
     random_material_free(&desc);
-    return result;
+    return 0;
 }
 
 static int teardown(void **state) {
     (void)state;
-    btf_free(file_data);
+    btf_free(file.data);
     return 0;
 }
 
-static edit_file *take(void) {
-    return edit_load(file_data, file_size);
-}
-
-static void accepted(edit_file *file) {
-    btf_material *m;
-    if (open_edited(file, &m)) {
-        fail_msg("%s", last_message);
-    }
-    btf_material_close(&m);
-}
-
-static void test_file_parts(void **state) {
-    (void)state;
-    accepted(take());
-    edit_file *e = take();
-    edit_remove_part(e, "heights");
-    file_refused(e, "part heights: missing");
-    e = take();
-    edit_remove_part(e, "level1.heights");
-    file_refused(e, "part level1.heights: missing");
-    e = take();
-    edit_copy_part(e, "heights", "view_vectors");
-    file_refused(e, "part view_vectors: unknown");
-    e = take();
-    edit_add_channel(edit_find_part(e, "heights"), "A", EXR_PIXEL_HALF);
-    file_refused(e, "part heights: unknown channel A");
-    e = take();
-    edit_resize(edit_find_part(e, "heights"), WIDTH, HEIGHT + 1);
-    file_refused(e, "part heights: data window (0,0)-(8,6), not (0,0)-(8,5)");
+TEST(test_file_parts) {
+    file_accepted(take(&file));
+    EDIT_REFUSED(take(&file), edit_remove_part(e, "heights"), "part heights: missing");
+    EDIT_REFUSED(take(&file), edit_remove_part(e, "level1.heights"), "part level1.heights: missing");
+    EDIT_REFUSED(take(&file), edit_copy_part(e, "heights", "view_vectors"), "part view_vectors: unknown");
+    EDIT_REFUSED(take(&file), edit_add_channel(edit_find_part(e, "heights"), "A", EXR_PIXEL_HALF),
+                 "part heights: unknown channel A");
+    EDIT_REFUSED(take(&file), edit_resize(edit_find_part(e, "heights"), WIDTH, HEIGHT + 1),
+                 "part heights: data window (0,0)-(8,6), not (0,0)-(8,5)");
     static const uint16_t bad[] = {0x5C00, 0x3800, 0xBC00, 0x7E00}; /* 256, a half, -1, no number */
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        char text[100];
-        e = take();
-        memcpy(edit_find_channel(e, "level1.heights", "Y")->data + 2, &bad[i], 2);
-        snprintf(text, sizeof text, "part level1.heights: channel Y at (1, 0) holds half 0x%04x", bad[i]);
-        file_refused(e, text);
+        EDIT_REFUSED(take(&file), memcpy(edit_find_channel(e, "level1.heights", "Y")->data + 2, &bad[i], 2),
+                     told("part level1.heights: channel Y at (1, 0) holds half 0x%04x", bad[i]));
     }
-    e = take();
+    edit_file *e = take(&file);
     edit_find_attribute(e, "openbtf.reliefStep")->i = 0;
     edit_find_attribute(e, "openbtf.reliefSteps")->i = 1;
     file_refused(e, "heights: unknown, or not in a material of these effects");
 }
 
-static void test_file_attributes(void **state) {
-    (void)state;
+TEST(test_file_attributes) {
     static const struct {
         const char *name;
         int value;
@@ -399,7 +318,7 @@ static void test_file_attributes(void **state) {
     };
     char name[40], text[100];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        edit_file *e = take();
+        edit_file *e = take(&file);
         snprintf(name, sizeof name, "openbtf.%s", cases[i].name);
         edit_find_attribute(e, name)->i = cases[i].value;
         file_refused(e, cases[i].text);
@@ -407,16 +326,13 @@ static void test_file_attributes(void **state) {
     static const char *const words[] = {"reliefBase", "reliefStep", "reliefSteps", "reliefViews",
                                         "glossShare"};
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
-        edit_file *e = take();
+        edit_file *e = take(&file);
         snprintf(name, sizeof name, "openbtf.%s", words[i]);
         edit_remove_attribute(e, name);
-        snprintf(text, sizeof text, "attribute %s is missing", name);
-        file_refused(e, text);
-        e = take();
-        edit_find_attribute(e, name)->type = EXR_ATTR_DOUBLE;
-        snprintf(text, sizeof text, "attribute %s is of type double", name);
-        file_refused(e, text);
-        e = take();
+        file_refused(e, told("attribute %s is missing", name));
+        EDIT_REFUSED(take(&file), edit_find_attribute(e, name)->type = EXR_ATTR_DOUBLE,
+                     told("attribute %s is of type double", name));
+        e = take(&file);
         edit_set_text(e, "openbtf.effects", i < 4 ? "gloss" : "relief");
         for (size_t k = 0; k < i && i < 4; k++) { /* those before would be refused first */
             snprintf(text, sizeof text, "openbtf.%s", words[k]);
@@ -429,38 +345,29 @@ static void test_file_attributes(void **state) {
         if (i == 3) {
             file_refused(e, "attribute openbtf.reliefViews is there, but there are no views of relief");
         } else {
-            snprintf(text, sizeof text, "attribute %s without the effect %s", name,
-                     i < 3 ? "relief" : "gloss");
-            file_refused(e, text);
+            file_refused(e, told("attribute %s without the effect %s", name, i < 3 ? "relief" : "gloss"));
         }
     }
 }
 
 /* Numbers of reliefViews, the words of effects, the version, and the level that only restrictions have. */
-static void test_file_views(void **state) {
-    (void)state;
+TEST(test_file_views) {
     static const float bad[] = {2, -1, 0.5f, NAN, INFINITY};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        edit_file *e = take();
-        edit_find_attribute(e, "openbtf.reliefViews")->values[5] = bad[i];
-        file_refused(e, "attribute openbtf.reliefViews: number 5 is");
+        EDIT_REFUSED(take(&file), edit_find_attribute(e, "openbtf.reliefViews")->values[5] = bad[i],
+                     "attribute openbtf.reliefViews: number 5 is");
     }
-    edit_file *e = take();
-    edit_find_attribute(e, "openbtf.reliefViews")->count = VIEWS - 1;
-    file_refused(e,
+    EDIT_REFUSED(take(&file), edit_find_attribute(e, "openbtf.reliefViews")->count = VIEWS - 1,
                  "attribute openbtf.reliefViews holds 18 numbers, which do not fit the 19 views of relief");
-    e = take();
+    edit_file *e = take(&file);
     edit_find_attribute(e, "openbtf.reliefViews")->values[5] = -0.0f;
-    accepted(e);
-    e = take();
-    edit_set_text(e, "openbtf.effects", "gloss,relief");
-    file_refused(e, "attribute openbtf.effects is \"gloss,relief\": unknown, repeated or out of order");
-    e = take();
-    edit_find_attribute(e, "openbtf.version")->i = 1;
-    file_refused(e, "attribute openbtf.effects is \"relief,gloss\": unknown, repeated or out of order");
-    e = take();
-    edit_set_text(e, "openbtf.layout", "paper");
-    file_refused(e, "attribute openbtf.atlasWidth is missing");
+    file_accepted(e);
+    EDIT_REFUSED(take(&file), edit_set_text(e, "openbtf.effects", "gloss,relief"),
+                 "attribute openbtf.effects is \"gloss,relief\": unknown, repeated or out of order");
+    EDIT_REFUSED(take(&file), edit_find_attribute(e, "openbtf.version")->i = 1,
+                 "attribute openbtf.effects is \"relief,gloss\": unknown, repeated or out of order");
+    EDIT_REFUSED(take(&file), edit_set_text(e, "openbtf.layout", "paper"),
+                 "attribute openbtf.atlasWidth is missing");
     static const struct {
         int level;
         const char *text;
@@ -470,14 +377,14 @@ static void test_file_views(void **state) {
                   {15, "attribute openbtf.reliefLevel is 15, not within 0 to 14"},
                   {-1, "attribute openbtf.reliefLevel is -1, not within"}};
     for (size_t i = 0; i < sizeof levels / sizeof *levels; i++) {
-        e = take();
+        e = take(&file);
         edit_attribute *added = &e->attributes[e->attribute_count++];
         *added =
             (edit_attribute){.name = "openbtf.reliefLevel", .type = EXR_ATTR_INT, .i = levels[i].level};
         if (levels[i].text) {
             file_refused(e, levels[i].text);
         } else {
-            accepted(e);
+            file_accepted(e);
         }
     }
 }
@@ -520,8 +427,7 @@ static void assert_restricted(const btf_material *whole, const btf_material *sma
 
 /* Any plan's restriction decodes to the same bits as the whole, through a file and restricted once more
  * too. */
-static void test_restrict(void **state) {
-    (void)state;
+TEST(test_restrict) {
     enum { MATERIALS = 24, PLANS = 6, SAMPLES = 40 };
     random_state r = {8};
     int lit = 0, all_lit = 0, fewer = 0, coarser = 0;
@@ -564,10 +470,9 @@ static void test_restrict(void **state) {
         fewer += accepted_info(small).n_views < info.n_views;
         coarser += accepted_info(small).relief_level > 0;
         btf_material *back = through_a_file(small);
-        assert_same(small, back);
         plan.level = 0; /* of what is left; its plan is the whole of it */
         assert_int_equal(btf_material_restrict(small, &plan, &log_keep, &again), BTF_OK);
-        assert_same(small, again);
+        assert_same_material(small, again);
         btf_material_close(&again);
         btf_material_close(&back);
         btf_material_close(&small);
@@ -581,8 +486,7 @@ static void test_restrict(void **state) {
 }
 
 /* Each step of a march, each neighbour's look-up of lights, and sources of their own are counted. */
-static void test_cost(void **state) {
-    (void)state;
+TEST(test_cost) {
     btf_material_desc desc = factor_material_desc(WIDTH, HEIGHT, VIEWS, LIGHTS, BTF_LAYOUT_TIGHT,
                                                   BOTH | BTF_EFFECT_RESIDUAL, factor_classes);
     random_state r = {9};
@@ -623,8 +527,7 @@ static void test_cost(void **state) {
 
 /* The table of effect errors says that without relief and gloss a decode is nearer to interpolated samples,
  * and cheaper: a plan keeps them all the same, but at a sample. */
-static void test_plan(void **state) {
-    (void)state;
+TEST(test_plan) {
     const uint32_t all = BOTH | BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT;
     const float table[] = {1, 1, 0, 90,  0,       90,     (float)all,
                            5, 0, 0, 100, 0.01f,   0.01f,  (float)(all & ~(uint32_t)BOTH),
@@ -661,19 +564,4 @@ static void test_plan(void **state) {
     random_material_free(&desc);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shapes),
-        cmocka_unit_test(test_either),
-        cmocka_unit_test(test_create_refuses),
-        cmocka_unit_test(test_create_refuses_others),
-        cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_file_parts),
-        cmocka_unit_test(test_file_attributes),
-        cmocka_unit_test(test_file_views),
-        cmocka_unit_test(test_restrict),
-        cmocka_unit_test(test_cost),
-        cmocka_unit_test(test_plan),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

@@ -7,14 +7,8 @@
 #include "tests/support/exr_edit.h"
 #include "tests/support/plan_decode.h"
 #include "tests/support/refusals.h"
+#include "tests/support/test.h"
 #include <openbtf/plan.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 enum { WIDTH = 12, HEIGHT = 9, VIEWS = 19, LIGHTS = 7, LEVELS = 3 };
 enum { RELIEF = BTF_EFFECT_RELIEF, BOTH = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
@@ -37,8 +31,7 @@ static btf_material *make(uint32_t effects, uint32_t end) {
     return m;
 }
 
-static void test_create(void **state) {
-    (void)state;
+TEST(test_create) {
     static const struct {
         uint32_t effects, end, becomes;
         const char *text; /* NULL: accepted */
@@ -72,8 +65,7 @@ static void *save(const btf_material *m, size_t *size) {
 }
 
 /* Of a material of all levels with relief the attribute is not written, so that the file is what it was. */
-static void test_file(void **state) {
-    (void)state;
+TEST(test_file) {
     for (uint32_t end = 1; end <= LEVELS; end++) {
         btf_material *m = make(BOTH, end), *opened;
         size_t size;
@@ -99,8 +91,7 @@ static void test_file(void **state) {
     }
 }
 
-static void test_file_refuses(void **state) {
-    (void)state;
+TEST(test_file_refuses) {
     static const struct {
         int32_t end;
         const char *text;
@@ -111,21 +102,19 @@ static void test_file_refuses(void **state) {
     size_t size;
     void *data = save(m, &size);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        edit_file *e = edit_load(data, size);
-        edit_find_attribute(e, "openbtf.reliefEnd")->i = cases[i].end;
-        file_refused(e, cases[i].text);
+        EDIT_REFUSED(edit_load(data, size), edit_find_attribute(e, "openbtf.reliefEnd")->i = cases[i].end,
+                     cases[i].text);
     }
-    edit_file *e = edit_load(data, size);
-    edit_find_attribute(e, "openbtf.reliefEnd")->type = EXR_ATTR_DOUBLE;
-    file_refused(e, "attribute openbtf.reliefEnd is of type double");
-    e = edit_load(data, size);
-    edit_find_attribute(e, "openbtf.levels")->i = 1; /* the levels of which the end is one */
-    file_refused(e, "attribute openbtf.reliefEnd is 2, not within 1 to 1");
+    EDIT_REFUSED(edit_load(data, size), edit_find_attribute(e, "openbtf.reliefEnd")->type = EXR_ATTR_DOUBLE,
+                 "attribute openbtf.reliefEnd is of type double");
+    EDIT_REFUSED(
+        edit_load(data, size), edit_find_attribute(e, "openbtf.levels")->i = 1,
+        "attribute openbtf.reliefEnd is 2, not within 1 to 1"); /* the levels of which the end is one */
     btf_free(data);
     btf_material_close(&m);
     m = make(BTF_EFFECT_GLOSS, 0);
     data = save(m, &size);
-    e = edit_load(data, size);
+    edit_file *e = edit_load(data, size);
     e->attributes[e->attribute_count++] =
         (edit_attribute){.name = "openbtf.reliefEnd", .type = EXR_ATTR_INT, .i = 1};
     file_refused(e, "attribute openbtf.reliefEnd without the effect relief");
@@ -162,8 +151,7 @@ static int differences(const btf_material *a, const btf_material *b, uint32_t le
 }
 
 /* From the end on all is as without relief, to the bit, and before as in a file without an end. */
-static void test_levels_decode(void **state) {
-    (void)state;
+TEST(test_levels_decode) {
     const uint32_t effects = BOTH | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
     btf_material *whole = make(effects, 0);
     for (uint32_t end = 1; end < LEVELS; end++) {
@@ -190,8 +178,7 @@ static btf_plan plan_of_level(const btf_material *m, uint32_t level) {
 }
 
 /* Levels that are cut away bring the end nearer; where none with relief is left, all of it goes. */
-static void test_restrict(void **state) {
-    (void)state;
+TEST(test_restrict) {
     random_state r = {3};
     int all_lit = 0;
     for (uint32_t end = 1; end <= LEVELS; end++) {
@@ -225,8 +212,7 @@ static void test_restrict(void **state) {
 
 /* A plan drops relief where the scene's level has none, though its row of the table is of the file's
  * effects, and keeps it elsewhere. */
-static void test_plan(void **state) {
-    (void)state;
+TEST(test_plan) {
     const float all = BOTH;
     const float table[] = {1, 1, 0, 90, 0,     90,    all, 0, 0, 0, 100, 0.01f, 0.01f, all,
                            0, 0, 1, 30, 0.02f, 0.02f, all, 0, 0, 2, 10,  0.04f, 0.04f};
@@ -256,8 +242,7 @@ static void test_plan(void **state) {
 }
 
 /* A material whose levels all have relief gives the text that it gave before there was an end. */
-static void test_shader(void **state) {
-    (void)state;
+TEST(test_shader) {
     const btf_shader_options options = {.struct_size = sizeof options};
     for (uint32_t end = 1; end <= LEVELS; end++) {
         btf_material *m = make(RELIEF, end);
@@ -276,12 +261,4 @@ static void test_shader(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_create),       cmocka_unit_test(test_file),
-        cmocka_unit_test(test_file_refuses), cmocka_unit_test(test_levels_decode),
-        cmocka_unit_test(test_restrict),     cmocka_unit_test(test_plan),
-        cmocka_unit_test(test_shader),
-    };
-    return cmocka_run_group_tests_name("relief_end", tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

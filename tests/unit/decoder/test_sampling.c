@@ -6,20 +6,10 @@
 #include "decoder/toolkit/reference_view.h"
 #include "tests/conformance/random.h"
 #include "tests/conformance/synthetic.h"
+#include "tests/support/test.h"
 
 #include <openbtf/reference.h>
 #include <openbtf/sampling.h>
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define PI 3.14159265358979323846
 
@@ -170,10 +160,9 @@ static void check_estimate(const subject *s, const float view[3], uint64_t seed)
 
 static const float views[][3] = {{0, 0, 1}, {0.6f, 0, 0.8f}, {-0.3f, 0.8660254f, 0.4f}};
 
-static void test_density(void **state) {
+TEST(test_density) {
     const synthetic_spec spec = shiny();
     subject s;
-    (void)state;
     open_subject(&spec, &s);
     for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
         check_density(&s, views[i], 3 + i);
@@ -181,10 +170,9 @@ static void test_density(void **state) {
     close_subject(&s);
 }
 
-static void test_estimate(void **state) {
+TEST(test_estimate) {
     const synthetic_spec spec = shiny();
     subject s;
-    (void)state;
     open_subject(&spec, &s);
     for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
         check_estimate(&s, views[i], 5 + i);
@@ -193,8 +181,7 @@ static void test_estimate(void **state) {
 }
 
 /* Without triangles the density is the cosine's; rounded to the plane, lights of a meridian may have thin ones. */
-static void test_few_lights(void **state) {
-    (void)state;
+TEST(test_few_lights) {
     for (uint32_t n = 1; n <= 5; n++) {
         synthetic_spec spec = shiny();
         subject s;
@@ -214,10 +201,9 @@ static void test_few_lights(void **state) {
 }
 
 /* A material whose tables hold nothing but zeros. */
-static void test_black(void **state) {
+TEST(test_black) {
     const synthetic_spec spec = shiny();
     subject s;
-    (void)state;
     open_subject(&spec, &s);
     const size_t numbers = (size_t)s.tables->n_views * (s.tables->n_lights + 1);
     float *densities = calloc(numbers, sizeof *densities);
@@ -235,10 +221,9 @@ static void test_black(void **state) {
     close_subject(&s);
 }
 
-static void test_arguments(void **state) {
+TEST(test_arguments) {
     const synthetic_spec spec = shiny();
     subject s;
-    (void)state;
     btf_light_sampling *none = NULL;
     open_subject(&spec, &s);
     assert_int_equal(btf_light_sampling_create(NULL, s.evaluator, NULL, &none), BTF_ERROR_USAGE);
@@ -263,10 +248,4 @@ static void test_arguments(void **state) {
     close_subject(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_density), cmocka_unit_test(test_estimate),  cmocka_unit_test(test_few_lights),
-        cmocka_unit_test(test_black),   cmocka_unit_test(test_arguments),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -2,27 +2,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/support/messages.h"
+#include "tests/support/test.h"
 
 #include <openbtf/shader.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-static char last_message[400];
-
-static void keep_message(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    snprintf(last_message, sizeof last_message, "%s", message);
-}
-
-static const btf_log log_keep = {.callback = keep_message};
 
 /* GLSL, and the lines of WGSL that must stand in its translation, one behind the other, without indentation. */
 typedef struct pair {
@@ -44,8 +27,7 @@ static const char *find_line(const char *text, const char *line) {
     return NULL;
 }
 
-static void constructs_are_translated(void **state) {
-    (void)state;
+TEST(constructs_are_translated) {
     static const pair pairs[] = {
         {"float f(float x) { return x * 2.0 + 1.0; }",
          {"fn f(x: f32) -> f32 {", "return x * 2.0f + 1.0f;"}},
@@ -167,8 +149,7 @@ static void constructs_are_translated(void **state) {
     }
 }
 
-static void other_glsl_is_refused(void **state) {
-    (void)state;
+TEST(other_glsl_is_refused) {
     static const char *const wrong[][2] = {
         {"float f(float x) { return sin(x); }", "no function that is defined above"},
         {"float f(float x) { return x + 1; }", "this operation on these types"},
@@ -266,8 +247,7 @@ static void other_glsl_is_refused(void **state) {
 }
 
 /* Brackets, operators, statements and conditions in one another, 100,000 deep: refused, where a stack would run over. */
-static void depth_is_bounded(void **state) {
-    (void)state;
+TEST(depth_is_bounded) {
     enum { DEEP = 100000 };
     static const char *const parts[][3] = {
         {"int f(int a) { return ", "(", ""},
@@ -303,8 +283,7 @@ static void depth_is_bounded(void **state) {
 }
 
 /* A chain of macros, each the body of the one before, and each no deeper in the text than the last. */
-static void chains_of_macros_are_bounded(void **state) {
-    (void)state;
+TEST(chains_of_macros_are_bounded) {
     enum { CHAIN = 20000, LINE = 40 };
     char *glsl = malloc((size_t)CHAIN * LINE + 100), *text = NULL;
     assert_non_null(glsl);
@@ -328,8 +307,7 @@ static void chains_of_macros_are_bounded(void **state) {
 }
 
 /* Macros and constants that double 60 times are refused, or calculated once each. */
-static void doubling_is_bounded(void **state) {
-    (void)state;
+TEST(doubling_is_bounded) {
     char glsl[4000], *text = NULL;
     size_t n = 0;
     for (int i = 0; i < 60; ++i) {
@@ -348,8 +326,7 @@ static void doubling_is_bounded(void **state) {
 }
 
 /* Comments nest in WGSL: one that opens another would not end. */
-static void comments_that_nest_are_dropped(void **state) {
-    (void)state;
+TEST(comments_that_nest_are_dropped) {
     char *text = NULL;
     assert_int_equal(btf_shader_wgsl("/* One /* two */ int f() { return 1; }", &log_keep, &text), BTF_OK);
     assert_null(strstr(text, "two"));
@@ -357,8 +334,7 @@ static void comments_that_nest_are_dropped(void **state) {
 }
 
 /* The self-test's own text; one line of it is looked at here, and browsers run it. */
-static void the_self_test_is_translated(void **state) {
-    (void)state;
+TEST(the_self_test_is_translated) {
     char *text = NULL;
     assert_int_equal(btf_shader_wgsl(btf_shader_self_test(), &log_keep, &text), BTF_OK);
     assert_non_null(strstr(text, "fn btf_self_test(zero: u32) -> u32 {"));
@@ -366,15 +342,4 @@ static void the_self_test_is_translated(void **state) {
     btf_free(text);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(constructs_are_translated),
-        cmocka_unit_test(other_glsl_is_refused),
-        cmocka_unit_test(depth_is_bounded),
-        cmocka_unit_test(chains_of_macros_are_bounded),
-        cmocka_unit_test(doubling_is_bounded),
-        cmocka_unit_test(comments_that_nest_are_dropped),
-        cmocka_unit_test(the_self_test_is_translated),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,17 +4,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/allocation/allocate.h"
-
-#include <math.h>
-#include <stdlib.h>
+#include "tests/support/test.h"
 
 enum { MOST = 1200 };
 static double energy[3][MOST];
@@ -58,8 +49,7 @@ typedef struct size_case {
     double budget, decibels; /* decibels: that whole units may cost; the fewer there are, the more */
 } size_case;
 
-static void test_near_the_bound(void **state) {
-    (void)state;
+TEST(test_near_the_bound) {
     static const size_case cases[] = {
         {64, 81, 2.36e6, 0.08},  {64, 81, 1.18e6, 0.25}, {128, 81, 7.03e6, 0.05},
         {256, 81, 22.9e6, 0.05}, {256, 81, 6e6, 0.25},   {256, 19, 22.9e6, 0.08},
@@ -90,8 +80,7 @@ static void test_near_the_bound(void **state) {
 }
 
 /* The least error of all plans of at most two units of each channel's words. */
-static void test_best_of_all_small_plans(void **state) {
-    (void)state;
+TEST(test_best_of_all_small_plans) {
     for (int wide = 0; wide < 2; wide++) {
         const size_t texels = wide ? 100 : 6400, directions = wide ? 80 : 10; /* u or w costs more */
         const enc_factor_energies e = energies_of(60, 60, 1.9);
@@ -135,10 +124,4 @@ static void test_best_of_all_small_plans(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_near_the_bound),
-        cmocka_unit_test(test_best_of_all_small_plans),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -3,32 +3,17 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/factor/choose_plan.h"
 #include "encoder/factor/components.h"
 #include "encoder/factor/measure.h"
 #include "encoder/factor/round.h"
 #include "encoder/math/symmetric.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
 enum { SIDE = 20, VIEWS = 14, LIGHTS = 15, WEAK = 40, SWEEPS = 2 };
-
-static float uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (float)(*state >> 8) * 0x1p-24f;
-}
 
 /* Grey data: one strong component and WEAK others of amplitude `weak`, more than 16 codes of 8 bits hold. */
 static enc_data *make(const enc_context *context, float weak) {
@@ -93,8 +78,7 @@ static void plan(const enc_factor_matrix *m, const enc_components components[3],
     assert_true(enc_factor_bytes(out_is, SIDE * SIDE, VIEWS, LIGHTS) <= budget);
 }
 
-static void test_trial_beats_expectation(void **state) {
-    (void)state;
+TEST(test_trial_beats_expectation) {
     const size_t ranks[3] = {120, 8, 8};
     const enc_context *contexts[2] = {&one, &two};
     enc_factor_plan chosen[2];
@@ -120,8 +104,7 @@ static void test_trial_beats_expectation(void **state) {
 
 /* Rows of a random product of a matrix of one component, as of an all-white channel: multiples of one row, all of whose
  * texels are alike. They become orthonormal all the same, and hold that row, which two rounds do not reach. */
-static void test_multiples_of_one_row(void **state) {
-    (void)state;
+TEST(test_multiples_of_one_row) {
     enum { RANK = 96, COUNT = 240 };
     enc_data *data = make(&two, 0);
     const enc_factor_matrix m = enc_factor_matrix_of(&two, data);
@@ -158,10 +141,4 @@ static void test_multiples_of_one_row(void **state) {
     enc_data_destroy(&data);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_multiples_of_one_row),
-        cmocka_unit_test(test_trial_beats_expectation),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

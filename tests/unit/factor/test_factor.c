@@ -3,21 +3,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/factor/factor.h"
 #include "encoder/factor/pack.h"
-#include "tests/support/light.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
@@ -126,11 +115,6 @@ static double error_of(const enc_data *data, const enc_factors *f, int n_units) 
 /* Data.
  * ------------------------------------------------------------------------------------------------ */
 
-static float uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (float)(*state >> 8) * 0x1p-24f;
-}
-
 static enc_data *empty(const enc_context *context, int width, int height, int views, int lights) {
     enc_direction directions[64];
     directions[0] = enc_direction_from_angles(0, 0);
@@ -234,8 +218,7 @@ static enc_factors *encode(const enc_context *context, const enc_data *data, uin
  * ------------------------------------------------------------------------------------------------ */
 
 /* The encoder's measured error is that of the packed words. */
-static void test_words_decode_to_what_was_measured(void **state) {
-    (void)state;
+TEST(test_words_decode_to_what_was_measured) {
     enc_data *data = textured(16, 13, 60, 0.3f, 0.05f);
     bool seen[5] = {false};
     for (double n = 1; n < 8; n += 1.4) {
@@ -278,8 +261,7 @@ static void randomise(enc_factor_codes *codes, int c, uint32_t *state) {
 }
 
 /* A plan with all classes, with words of all channels, mixed and pure units: what is packed comes out. */
-static void test_every_class_round_trips(void **state) {
-    (void)state;
+TEST(test_every_class_round_trips) {
     static const enc_factor_plan plan = {{{5, 2, 1}, {6, 1, 1}, {9, 2, 1}, {2, 1, 1}, {7, 0, 1}}};
     static const float axis[3] = {0.57735027f, 0.70710678f, 0.40824829f};
     enc_data *data = empty(&one, SIDE, SIDE, VIEWS, LIGHTS);
@@ -340,8 +322,7 @@ static void test_every_class_round_trips(void **state) {
 }
 
 /* Data of few components come back almost as they were. */
-static void test_recovers(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_recovers) {
     enc_data *data = textured(16, 9, 6, 0.2f, 0);
     enc_factors *f = encode(&two, data, units(data, 2.1), ENC_FACTOR_SWEEPS);
     assert_true(f->classes[0][0] == 2 && f->components[0] == 6);
@@ -351,8 +332,7 @@ static void test_recovers(void **state) {
 }
 
 /* As many units as fit, and better with more; descent pays. */
-static void test_budget_is_kept_and_used(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_budget_is_kept_and_used) {
     enc_data *data = textured(16, 13, 120, 0.3f, 0.1f);
     const uint64_t unit = units(data, 2) - units(data, 1);
     double before = 1;
@@ -370,8 +350,7 @@ static void test_budget_is_kept_and_used(void **state) {
 }
 
 /* Each unit that a decoder takes brings it nearer. */
-static void test_prefix_is_monotone(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_prefix_is_monotone) {
     enc_data *data = textured(16, 13, 120, 0.3f, 0.1f);
     enc_factors *f = encode(&two, data, units(data, 6), ENC_FACTOR_SWEEPS);
     double before = error_of(data, f, 0);
@@ -396,8 +375,7 @@ static void assert_same(const enc_factors *a, const enc_factors *b) {
 }
 
 /* The same bits from 1, 2 and 5 threads, and of samples that lie in a scratch file. */
-static void test_threads_and_storage_do_not_matter(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_threads_and_storage_do_not_matter) {
     static const enc_context five = {.threads = 5}, small = {.threads = 2, .memory = 700000};
     enc_data *data = textured(16, 13, 60, 0.3f, 0.05f);
     enc_data *stored = empty(&small, 16, 16, 13, 13);
@@ -428,8 +406,7 @@ static enc_factors *encode_from(enc_components basis[3], const enc_data *data, u
 
 /* Components of a first encode serve others: of the same budget, the same comes out; of less, what its own
  * components give, nearly; and match, which changes components, leaves those of the basis alone. */
-static void test_components_serve_other_budgets(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_components_serve_other_budgets) {
     enc_data *data = textured(10, 8, 30, 0.3f, 0.05f);
     enc_components basis[3] = {{0}};
     enc_factors *own = encode(&two, data, units(data, 6), 2), *less = encode(&two, data, units(data, 3), 2);
@@ -455,8 +432,7 @@ static void test_components_serve_other_budgets(void **state) {
 }
 
 /* Grey data have no chroma words, and gain by it. */
-static void test_grey(void **state) {
-    (void)state;
+TEST(test_grey) {
     enc_data *grey = textured(12, 9, 60, 0, 0), *tinted = textured(12, 9, 60, 0.5f, 0);
     enc_factors *f = encode(&two, grey, units(grey, 3), 2), *g = encode(&two, tinted, units(grey, 3), 2);
     for (int k = 0; k < 5; k++) {
@@ -479,8 +455,7 @@ static void fill_constant(enc_data *data, float value) {
 }
 
 /* Constant data take one unit however large the budget, and black data one of zeros. */
-static void test_constant_and_black(void **state) {
-    (void)state;
+TEST(test_constant_and_black) {
     enc_data *data = empty(&two, 6, 5, 4, 3);
     for (int black = 0; black < 2; black++) {
         fill_constant(data, black ? 0 : 0.3f);
@@ -495,8 +470,7 @@ static void test_constant_and_black(void **state) {
 
 /* One view, one light, one texel, and fewer texels than components: nothing fails, and a large budget gives
  * what there is. */
-static void test_small_sizes(void **state) {
-    (void)state;
+TEST(test_small_sizes) {
     static const int sizes[][4] = {
         {16, 16, 1, 20}, {16, 16, 20, 1}, {1, 1, 12, 12}, {4, 3, 20, 20}, {20, 1, 1, 1}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
@@ -515,8 +489,7 @@ static void test_small_sizes(void **state) {
 }
 
 /* Samples above 1 are kept as they are. */
-static void test_highlights(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_highlights) {
     enc_data *data = empty(&two, 4, 4, 5, 5);
     fill_constant(data, 400.0f);
     enc_factors *f = encode(&two, data, 100000, 2);
@@ -531,8 +504,7 @@ static void test_highlights(void **state) {
 
 /* Highlights up to a hundred times as bright as the rest, in few texels at few lights, are fitted as they are, by their
  * roots: they come back, and so the rest, less well than beside highlights of 1. The measure clips both at 1. */
-static void test_highlights_among_others(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_highlights_among_others) {
     enc_data *data = textured(16, 9, 12, 0.2f, 0), *clipped = textured(16, 9, 12, 0.2f, 0);
     for (size_t t = 0; t < 256; t++) {
         for (size_t i = 0; i < 81 * 3; i++) { /* [view][channel][light] */
@@ -567,8 +539,7 @@ static void test_highlights_among_others(void **state) {
 }
 
 /* A view that is black has a factor of zero, or codes that come to nothing; the others do not suffer. */
-static void test_black_view(void **state) {
-    (void)state;
+TEST(test_black_view) {
     enc_data *data = textured(12, 9, 20, 0.2f, 0);
     for (size_t t = 0; t < 144; t++) {
         memset(data->samples + t * enc_data_texel_stride(data) + 4 * 27, 0, 27 * sizeof(float));
@@ -584,8 +555,7 @@ static void test_black_view(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_too_small_a_budget(void **state) {
-    (void)state;
+TEST(test_too_small_a_budget) {
     enc_data *data = textured(8, 5, 10, 0.3f, 0);
     const enc_factor_options options = {.budget = units(data, 1) - 1};
     enc_factors *f = (enc_factors *)&f;
@@ -594,24 +564,4 @@ static void test_too_small_a_budget(void **state) {
     enc_data_destroy(&data);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_words_decode_to_what_was_measured),
-        cmocka_unit_test(test_every_class_round_trips),
-        cmocka_unit_test(test_grey),
-        cmocka_unit_test(test_constant_and_black),
-        cmocka_unit_test(test_small_sizes),
-        cmocka_unit_test(test_black_view),
-        cmocka_unit_test(test_too_small_a_budget),
-    };
-    const struct CMUnitTest numbers[] = {
-        cmocka_unit_test(test_recovers),
-        cmocka_unit_test(test_budget_is_kept_and_used),
-        cmocka_unit_test(test_prefix_is_monotone),
-        cmocka_unit_test(test_threads_and_storage_do_not_matter),
-        cmocka_unit_test(test_components_serve_other_budgets),
-        cmocka_unit_test(test_highlights),
-        cmocka_unit_test(test_highlights_among_others),
-    };
-    return RUN_TESTS_AND_NUMBERS("factor", tests, numbers);
-}
+RUN_TESTS(NULL, NULL)

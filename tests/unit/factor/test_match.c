@@ -3,13 +3,6 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/data/images.h"
 #include "encoder/factor/components.h"
@@ -20,21 +13,12 @@
 #include "encoder/factor/match/search.h"
 #include "encoder/factor/method.h"
 #include "encoder/model/pack.h"
-#include "tests/support/light.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
 enum { SIDE = 24, TEXELS = SIDE * SIDE, VIEWS = 13, LIGHTS = 25, COLUMNS = VIEWS * LIGHTS, TERMS = 6 };
-
-static float uniform(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return (float)(*state >> 8) * 0x1p-24f;
-}
 
 /* Samples of few components, of which every point has a source and a gain of its own. */
 typedef struct planted {
@@ -118,8 +102,7 @@ static enc_factor_codes codes_of(const planted *p, const enc_factor_matrix *m) {
 }
 
 /* With the true factors a search finds every planted source, and its gain to half a step. */
-static void test_search_finds_what_was_planted(void **state) {
-    (void)state;
+TEST(test_search_finds_what_was_planted) {
     planted *p = plant(true, 0);
     enc_factor_matrix m = enc_factor_matrix_of(&two, p->data);
     enc_factor_codes codes = codes_of(p, &m);
@@ -222,8 +205,7 @@ static void search_blocks(const enc_factor_matrix *m, const enc_factor_codes *co
 
 /* In every block, at its edges too, no source in reach is nearer than the one found, and with the sources
  * of the whole texture the same ones are found. */
-static void test_blocks_search_all_sources_in_reach(void **state) {
-    (void)state;
+TEST(test_blocks_search_all_sources_in_reach) {
     enc_data *data = wide_data();
     const enc_factor_matrix m = enc_factor_matrix_of(&two, data);
     const enc_factor_plan plan = {{{4, 0, 0}}};
@@ -267,8 +249,7 @@ static void test_blocks_search_all_sources_in_reach(void **state) {
 }
 
 /* Users and weights are those of the sources. */
-static void test_users_are_counted(void **state) {
-    (void)state;
+TEST(test_users_are_counted) {
     enc_match match;
     uint32_t seed = 9;
     assert_int_equal(enc_match_create(&two, 5, 3, 4, true, &match), BTF_OK);
@@ -316,8 +297,7 @@ static double distance(const planted *p, const enc_factor_codes *codes, const en
 
 /* Descent with the planted sources held comes back to the factors from disturbed ones, and never loses on
  * the way. */
-static void test_descent_lowers_the_error(void **state) {
-    (void)state;
+TEST(test_descent_lowers_the_error) {
     planted *p = plant(true, 0);
     enc_factor_matrix m = enc_factor_matrix_of(&two, p->data);
     enc_factor_codes codes = codes_of(p, &m);
@@ -366,8 +346,7 @@ static enc_factors *encode(const enc_context *context, const enc_data *data, boo
 enum { BUDGET = 36000 };
 
 /* Shift alone helps, and shift with gain more, where there is such a thing; without it both cost. */
-static void test_pays_where_it_was_planted(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_pays_where_it_was_planted) {
     for (int moved = 0; moved < 2; moved++) {
         planted *p = plant(moved, 0.02f);
         enc_factors *f[3];
@@ -384,8 +363,7 @@ static void test_pays_where_it_was_planted(void **state) {
     }
 }
 
-static void test_threads_do_not_matter(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_threads_do_not_matter) {
     planted *p = plant(true, 0.02f);
     enc_factors *a = encode(&one, p->data, true, true, BUDGET),
                 *b = encode(&two, p->data, true, true, BUDGET);
@@ -428,8 +406,7 @@ static double reference_error(const enc_data *data, const enc_solution *solution
 }
 
 /* Shifts within -32 .. 31, gains of a scale of sixteen, and the reference sees what the encoder measured. */
-static void test_reference_decodes_what_was_measured(void **state) {
-    (void)state;
+TEST(test_reference_decodes_what_was_measured) {
     planted *p = plant(true, 0.02f);
     const enc_factors_settings settings = {.budget = BUDGET,
                                            .sweeps = ENC_FACTOR_SWEEPS,
@@ -458,8 +435,7 @@ static void test_reference_decodes_what_was_measured(void **state) {
 }
 
 /* Left to choose, the method keeps match and gain where they were planted, and nowhere else. */
-static void test_is_kept_where_it_pays(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_is_kept_where_it_pays) {
     for (int moved = 0; moved < 2; moved++) {
         planted *p = plant(moved, 0.02f);
         const enc_factors_settings settings = {
@@ -477,8 +453,7 @@ static void test_is_kept_where_it_pays(void **state) {
 }
 
 /* Why match was not tried is told apart from a survey that finds nothing. */
-static void test_says_why_it_was_not_tried(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_says_why_it_was_not_tried) {
     enum { SURVEY, MEMORY, BYTES, REASONS };
     static const char *const told[REASONS] = {"given up after a first search, which left too much error",
                                               "not tried: it needs more memory than is allowed",
@@ -509,8 +484,7 @@ static void count_searches(void *user, btf_log_level level, const char *message)
 
 /* Where the first search leaves nearly everything no descent and second search follow it; where it leaves less they
  * do, though what pays may be far away. */
-static void test_a_survey_ends_early(void **state) {
-    (void)state;
+TEST(test_a_survey_ends_early) {
     static const double most = 1e-4; /* neither pays */
     for (int moved = 0; moved < 2; moved++) {
         planted *p = plant(moved, moved ? 0.02f : 0.3f);
@@ -541,8 +515,7 @@ static void test_a_survey_ends_early(void **state) {
 }
 
 /* Levels of detail decode, without match, with what they share. */
-static void test_levels_have_no_match(void **state) {
-    (void)state;
+TEST(test_levels_have_no_match) {
     planted *p = plant(true, 0.02f);
     const enc_factors_settings settings = {.budget = BUDGET,
                                            .sweeps = ENC_FACTOR_SWEEPS,
@@ -563,21 +536,4 @@ static void test_levels_have_no_match(void **state) {
     uproot(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_search_finds_what_was_planted),
-        cmocka_unit_test(test_blocks_search_all_sources_in_reach),
-        cmocka_unit_test(test_users_are_counted),
-        cmocka_unit_test(test_descent_lowers_the_error),
-        cmocka_unit_test(test_reference_decodes_what_was_measured),
-        cmocka_unit_test(test_a_survey_ends_early),
-        cmocka_unit_test(test_levels_have_no_match),
-    };
-    const struct CMUnitTest numbers[] = {
-        cmocka_unit_test(test_pays_where_it_was_planted),
-        cmocka_unit_test(test_threads_do_not_matter),
-        cmocka_unit_test(test_is_kept_where_it_pays),
-        cmocka_unit_test(test_says_why_it_was_not_tried),
-    };
-    return RUN_TESTS_AND_NUMBERS("factor_match", tests, numbers);
-}
+RUN_TESTS(NULL, NULL)

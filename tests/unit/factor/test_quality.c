@@ -3,17 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/allocation/quality.h"
-
-#include <math.h>
-#include <stdio.h>
+#include "tests/support/test.h"
 
 enum { SIDE = 24, DIRECTIONS = 20, RANK = 200, UNITS = 12 };
 
@@ -39,8 +30,7 @@ static int search(enc_quality_search *s, double share) {
     return tries;
 }
 
-static void test_ends_at_the_fewest_bytes(void **state) {
-    (void)state;
+TEST(test_ends_at_the_fewest_bytes) {
     static double energy[RANK];
     const enc_factor_energies energies = {.rank = {RANK}, .energy = {energy, energy, energy}};
     const enc_factor_plan unit = {{{4}}};
@@ -71,9 +61,4 @@ static void test_ends_at_the_fewest_bytes(void **state) {
     assert_true(searches > 30 && tries < 3 * searches);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ends_at_the_fewest_bytes),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -3,21 +3,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/factor/factor.h"
 #include "encoder/factor/signal.h"
-#include "tests/support/light.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 enum { SIDE = 20, DIRECTIONS = 20, TEXELS = SIDE * SIDE, COLUMNS = DIRECTIONS * DIRECTIONS, FOUND = 60 };
@@ -103,8 +91,7 @@ static void clear(enc_components *components, enc_signal *signal) {
 
 /* The mean is a component of luma; of chroma there is noise alone, even or not. The floor is the noise: its
  * variance in each sample of each channel. */
-static void test_noise_is_no_signal(void **state) {
-    (void)state;
+TEST(test_noise_is_no_signal) {
     for (int uneven = 0; uneven < 2; uneven++) {
         enc_data *data = empty(&two, SIDE, DIRECTIONS);
         enc_components components[3];
@@ -126,8 +113,7 @@ static void test_noise_is_no_signal(void **state) {
 }
 
 /* Components far above the noise, and such far below the 3 from which one is worth keeping in square data. */
-static void test_counts_what_is_above_the_noise(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_counts_what_is_above_the_noise) {
     static const double x2[] = {400, 200, 100, 60, 40, 25, 18, 14, 12, 10, 0.6, 0.5, 0.4, 0.3};
     enc_data *data = empty(&two, SIDE, DIRECTIONS);
     enc_components components[3];
@@ -147,8 +133,7 @@ static void test_counts_what_is_above_the_noise(void **state) {
 }
 
 /* The shares add up to what the components gain at the truth. */
-static void test_shares_are_gains_at_the_truth(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_shares_are_gains_at_the_truth) {
     double x2[20];
     enc_data *data = empty(&two, SIDE, DIRECTIONS), *truth = empty(&two, SIDE, DIRECTIONS);
     enc_components components[3];
@@ -181,8 +166,7 @@ static void test_shares_are_gains_at_the_truth(void **state) {
 }
 
 /* A long tail without noise is signal to the end of what was looked for. */
-static void test_a_tail_is_signal(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_a_tail_is_signal) {
     double x2[300];
     enc_data *data = empty(&two, SIDE, DIRECTIONS);
     enc_components components[3];
@@ -197,8 +181,7 @@ static void test_a_tail_is_signal(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_threads_and_storage_do_not_matter(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_threads_and_storage_do_not_matter) {
     static const double x2[] = {50, 20, 10, 5};
     static const enc_context small = {.threads = 2, .memory = 1000000};
     enc_data *data = empty(&two, SIDE, 19), *stored = empty(&small, SIDE, 19);
@@ -231,8 +214,7 @@ static void test_threads_and_storage_do_not_matter(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_the_model(void **state) {
-    (void)state;
+TEST(test_the_model) {
     /* square, x2 = 3: y2 = 16/3, the threshold of Gavish and Donoho 2014; below it nothing is gained */
     assert_true(fabs(enc_signal_share(3, 100, 100, false)) < 1e-12);
     assert_true(enc_signal_share(2.9, 100, 100, false) < 0 && enc_signal_share(3.1, 100, 100, false) > 0);
@@ -255,8 +237,7 @@ static enc_factors *encode(const enc_data *data, uint64_t budget, double toleran
     return f;
 }
 
-static void test_bytes_stop_at_the_noise(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_bytes_stop_at_the_noise) {
     static const double x2[] = {900, 300, 100};
     enc_data *data = empty(&two, SIDE, DIRECTIONS);
     fill(data, NULL, 3, x2, 0.02, false);
@@ -275,8 +256,7 @@ static void test_bytes_stop_at_the_noise(void **state) {
 }
 
 /* Where every byte pays, all are used; a tolerance that nothing reaches leaves one unit. */
-static void test_bytes_that_pay_are_used(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_bytes_that_pay_are_used) {
     double x2[200];
     enc_data *data = empty(&two, SIDE, DIRECTIONS);
     for (int j = 0; j < 200; j++) {
@@ -295,8 +275,7 @@ static void test_bytes_that_pay_are_used(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_small_sizes(void **state) {
-    (void)state;
+TEST(test_small_sizes) {
     for (int side = 1; side < 6; side++) {
         for (int directions = 1; directions < 6; directions += 2) {
             enc_data *data = empty(&two, side, directions);
@@ -313,19 +292,4 @@ static void test_small_sizes(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_noise_is_no_signal),
-        cmocka_unit_test(test_the_model),
-        cmocka_unit_test(test_small_sizes),
-    };
-    const struct CMUnitTest numbers[] = {
-        cmocka_unit_test(test_counts_what_is_above_the_noise),
-        cmocka_unit_test(test_shares_are_gains_at_the_truth),
-        cmocka_unit_test(test_a_tail_is_signal),
-        cmocka_unit_test(test_threads_and_storage_do_not_matter),
-        cmocka_unit_test(test_bytes_stop_at_the_noise),
-        cmocka_unit_test(test_bytes_that_pay_are_used),
-    };
-    return RUN_TESTS_AND_NUMBERS("factor_signal", tests, numbers);
-}
+RUN_TESTS(NULL, NULL)

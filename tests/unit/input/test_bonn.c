@@ -5,23 +5,15 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "tests/support/bonn_files.h"
 #include "encoder/input/bonn/colour.h"
 #include "encoder/input/bonn/decode.h"
 #include "encoder/input/reader.h"
 #include "tests/support/image_files.h"
+#include "tests/support/messages.h"
+#include "tests/support/temporary.h"
+#include "tests/support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 enum { W = 7, H = 5, VIEWS = 4, LIGHTS = 6, K = 3 };
@@ -30,29 +22,13 @@ static const double views[VIEWS][2] = {{30, 120}, {0, 0}, {75, 240}, {30, 0}};
 static const double lights[LIGHTS][2] = {{15, 90}, {0, 0}, {45, 7.5}, {75, 345}, {60, 10}, {15, 270}};
 static const int view_order[VIEWS] = {1, 3, 0, 2}, light_order[LIGHTS] = {1, 0, 5, 2, 4, 3};
 
-static char path[256], messages[8192];
-
-static void keep_message(void *user, btf_log_level level, const char *text) {
-    (void)user;
-    const size_t used = strlen(messages);
-    snprintf(messages + used, sizeof messages - used, "%d: %s\n", (int)level, text);
-}
 static enc_context context = {.log = {keep_message, NULL}, .threads = 2};
 
-static int make_path(void **state) {
-    (void)state;
-    const char *base = getenv("TMPDIR");
-    snprintf(path, sizeof path, "%s/btf-bonn-XXXXXX", base && *base ? base : "/tmp");
-    const int fd = mkstemp(path);
-    messages[0] = '\0';
+static int set_up(void **state) {
+    forget_messages();
     context.memory = 0;
     context.threads = 2;
-    return fd >= 0 ? close(fd) : -1;
-}
-
-static int remove_path(void **state) {
-    (void)state;
-    return remove(path);
+    return make_temporary_file(state);
 }
 
 /* Numbers that halfs hold, positive and negative, different in every argument. */
@@ -75,24 +51,14 @@ static double sample(int view, int light, int channel, int x, int y) {
 }
 
 static bonn_spec spec_of(bonn_form form, const char *signature) {
-    return (bonn_spec){.form = form,
-                       .signature = signature,
-                       .meta_version = 4,
-                       .cosine = true,
-                       .width = W,
-                       .height = H,
-                       .n_views = VIEWS,
-                       .n_lights = LIGHTS,
-                       .views = views,
-                       .lights = lights,
-                       .scalar = {2, 4, 8},
-                       .components = {K, K + 1, K - 1},
-                       .lines_per_chunk = 2,
-                       .compression = 0,
-                       .direction = direction,
-                       .texel = texel,
-                       .average = average,
-                       .sample = sample};
+    /* clang-format off */
+    return (bonn_spec){
+        .form = form, .signature = signature, .meta_version = 4, .cosine = true, .width = W, .height = H,
+        .n_views = VIEWS, .n_lights = LIGHTS, .views = views, .lights = lights, .scalar = {2, 4, 8},
+        .components = {K, K + 1, K - 1}, .lines_per_chunk = 2, .compression = 0, .direction = direction,
+        .texel = texel, .average = average, .sample = sample,
+    };
+    /* clang-format on */
 }
 
 /* The radiance that the file codes for its view and light, with at most `most` components. */
@@ -117,10 +83,10 @@ static void coded(const bonn_spec *s, int v, int l, int x, int y, unsigned most,
 
 static enc_data *read_spec(const bonn_spec *s, const enc_read_options *options) {
     enc_data *data = NULL;
-    assert_true(bonn_write(path, s));
-    const btf_result result = enc_read(&context, path, options, &data);
+    assert_true(bonn_write(temporary_file, s));
+    const btf_result result = enc_read(&context, temporary_file, options, &data);
     if (result != BTF_OK) {
-        fail_msg("%s: result %d: %s", s->signature, (int)result, messages);
+        fail_msg("%s: result %d: %s", s->signature, (int)result, all_messages);
     }
     return data;
 }
@@ -181,8 +147,7 @@ static void check_spec(const bonn_spec *s, unsigned most, void (*decode)(double[
     context.memory = 0;
 }
 
-static void test_dfmf(void **state) {
-    (void)state;
+TEST_WITH(test_dfmf, set_up, remove_temporary_file) {
     for (int swapped = 0; swapped < 2; swapped++) {
         bonn_spec s = spec_of(BONN_DFMF, "!DFMF08FCR");
         s.swapped = swapped;
@@ -196,8 +161,7 @@ static void test_dfmf(void **state) {
     }
 }
 
-static void test_fmf(void **state) {
-    (void)state;
+TEST_WITH(test_fmf, set_up, remove_temporary_file) {
     static const char *const signatures[] = {"!FMF12FCER", "!FMF06FCR", "!FMF06FC"};
     for (int i = 0; i < 3; i++) {
         for (int swapped = 0; swapped < 2; swapped++) {
@@ -219,16 +183,14 @@ static void undo_logarithm(double v[3]) {
     }
 }
 
-static void test_fmf_logarithm(void **state) {
-    (void)state;
+TEST_WITH(test_fmf_logarithm, set_up, remove_temporary_file) {
     bonn_spec s = spec_of(BONN_FMF, "!FMF12FCER");
     s.header_version = 1;
     s.logarithm = 1;
     check_spec(&s, UINT32_MAX, undo_logarithm);
 }
 
-static void test_pvf(void **state) {
-    (void)state;
+TEST_WITH(test_pvf, set_up, remove_temporary_file) {
     for (int form = 0; form < 3; form++) {
         for (int swapped = 0; swapped < 2; swapped++) {
             bonn_spec s = form == 0   ? spec_of(BONN_PVF, "!PVF06FCR")
@@ -242,8 +204,7 @@ static void test_pvf(void **state) {
     }
 }
 
-static void test_bdi(void **state) {
-    (void)state;
+TEST_WITH(test_bdi, set_up, remove_temporary_file) {
     unsigned char mask[W * H];
     for (int i = 0; i < W * H; i++) {
         mask[i] = i % 4 != 2;
@@ -256,14 +217,13 @@ static void test_bdi(void **state) {
             s.mask = compression == 2 ? mask : NULL;
             s.rotations = 1;
             check_spec(&s, UINT32_MAX, NULL);
-            assert_true((strstr(messages, "9 of 35 texels are missing") != NULL) == (compression == 2));
+            assert_true((strstr(all_messages, "9 of 35 texels are missing") != NULL) == (compression == 2));
         }
     }
 }
 
 /* The colour models, against numbers worked out on paper. */
-static void test_colour_models(void **state) {
-    (void)state;
+TEST_WITH(test_colour_models, set_up, remove_temporary_file) {
     static const float mean[3] = {0.1f, 0.2f, 0.3f}, matrix[9] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
     const float y = logf(0.5f + 1e-5f);
     const struct {
@@ -296,8 +256,7 @@ static void test_colour_models(void **state) {
 }
 
 /* One texel, one view, two lights, one component a channel, byte by byte. */
-static void test_by_hand(void **state) {
-    (void)state;
+TEST_WITH(test_by_hand, set_up, remove_temporary_file) {
     unsigned char bytes[600];
     size_t n = 0;
 #define TEXT(t) (memcpy(bytes + n, t, strlen(t)), n += strlen(t))
@@ -336,11 +295,11 @@ static void test_by_hand(void **state) {
     }
 #undef TEXT
 #undef U32
-    write_whole_file(path, bytes, n);
+    write_whole_file(temporary_file, bytes, n);
     const enc_read_options options = {0};
     enc_data *data = NULL;
-    if (enc_read(&context, path, &options, &data) != BTF_OK) {
-        fail_msg("%s", messages);
+    if (enc_read(&context, temporary_file, &options, &data) != BTF_OK) {
+        fail_msg("%s", all_messages);
     }
     /* -0.6934 is -0.693359375 as a half: exp gives 0.499894 */
     static const float expected[2][3] = {{1.569905f, 0.709695f, 0.99999f},
@@ -356,8 +315,7 @@ static void test_by_hand(void **state) {
 }
 
 /* Crop, size, flip and blocks of memory against the whole. */
-static void test_parts(void **state) {
-    (void)state;
+TEST_WITH(test_parts, set_up, remove_temporary_file) {
     const bonn_spec s = spec_of(BONN_DFMF, "!DFMF08FCR");
     enc_read_options options = {0};
     enc_data *whole = read_spec(&s, &options);
@@ -400,17 +358,16 @@ static void test_parts(void **state) {
 static void expect_refusal(const char *what, const enc_read_options *options, btf_result expected,
                            const char *words) {
     enc_data *data = NULL;
-    messages[0] = '\0';
-    const btf_result result = enc_read(&context, path, options, &data);
+    forget_messages();
+    const btf_result result = enc_read(&context, temporary_file, options, &data);
     assert_null(data);
-    if (result != expected || !strstr(messages, words)) {
+    if (result != expected || !strstr(all_messages, words)) {
         fail_msg("%s: result %d, expected %d; message \"%s\" lacks \"%s\"", what, (int)result,
-                 (int)expected, messages, words);
+                 (int)expected, all_messages, words);
     }
 }
 
-static void test_contradictions(void **state) {
-    (void)state;
+TEST_WITH(test_contradictions, set_up, remove_temporary_file) {
     const enc_read_options options = {0};
     const struct {
         size_t at; /* byte of the DFMF file below, without rotations and of meta version 1 */
@@ -428,47 +385,47 @@ static void test_contradictions(void **state) {
     };
     bonn_spec s = spec_of(BONN_DFMF, "!DFMF08FCR");
     s.meta_version = 1;
-    assert_true(bonn_write(path, &s));
+    assert_true(bonn_write(temporary_file, &s));
     size_t size;
-    unsigned char *bytes = read_whole_file(path, &size);
+    unsigned char *bytes = read_whole_file(temporary_file, &size);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         unsigned char kept[4];
         memcpy(kept, bytes + cases[i].at, 4);
         for (int b = 0; b < 4; b++) {
             bytes[cases[i].at + (size_t)b] = (unsigned char)(cases[i].value >> 8 * b);
         }
-        write_whole_file(path, bytes, size);
+        write_whole_file(temporary_file, bytes, size);
         expect_refusal("patched", &options, cases[i].result, cases[i].words);
         memcpy(bytes + cases[i].at, kept, 4);
     }
     bytes = realloc(bytes, size + 1);
     bytes[size] = 0;
-    write_whole_file(path, bytes, size + 1);
+    write_whole_file(temporary_file, bytes, size + 1);
     expect_refusal("longer", &options, BTF_ERROR_BAD_FILE, "end of file");
     free(bytes);
 
     s.model = 5;
-    assert_true(bonn_write(path, &s));
+    assert_true(bonn_write(temporary_file, &s));
     expect_refusal("spectral model", &options, BTF_ERROR_UNSUPPORTED, "field colour model");
     s = spec_of(BONN_DFMF, "!DFMF08FCR");
     s.channels = 4;
-    assert_true(bonn_write(path, &s));
+    assert_true(bonn_write(temporary_file, &s));
     expect_refusal("four channels", &options, BTF_ERROR_UNSUPPORTED, "field channel count");
     s = spec_of(BONN_FMF, "!FMF12FCER");
     s.header_version = 3;
-    assert_true(bonn_write(path, &s));
+    assert_true(bonn_write(temporary_file, &s));
     expect_refusal("header version", &options, BTF_ERROR_UNSUPPORTED, "field header version");
     s = spec_of(BONN_BDI, "!BDIF06R2!");
     s.compression = 3;
-    assert_true(bonn_write(path, &s));
+    assert_true(bonn_write(temporary_file, &s));
     expect_refusal("compression", &options, BTF_ERROR_UNSUPPORTED, "field compression");
     const enc_read_options crop = {.crop = {4, 0, 4, 1}};
     s = spec_of(BONN_DFMF, "!DFMF08FCR");
-    assert_true(bonn_write(path, &s));
+    assert_true(bonn_write(temporary_file, &s));
     expect_refusal("crop", &crop, BTF_ERROR_USAGE, "7x5");
     const enc_read_options strict = {.strict = true};
     s.model = 1;
-    assert_true(bonn_write(path, &s));
+    assert_true(bonn_write(temporary_file, &s));
     expect_refusal("negative", &strict, BTF_ERROR_BAD_FILE, "below 0");
 }
 
@@ -479,22 +436,20 @@ static double broken_direction(int view, int light, int channel, unsigned k) {
     return view == 2 && light == 1 && k == 1 ? INFINITY : direction(view, light, channel, k);
 }
 
-static void test_not_finite(void **state) {
-    (void)state;
+TEST_WITH(test_not_finite, set_up, remove_temporary_file) {
     const enc_read_options options = {0};
     bonn_spec s = spec_of(BONN_DFMF, "!DFMF08FCR");
     s.texel = broken_texel;
-    assert_true(bonn_write(path, &s));
+    assert_true(bonn_write(temporary_file, &s));
     expect_refusal("texel", &options, BTF_ERROR_BAD_FILE, "column 3, row 2");
     s.texel = texel;
     s.direction = broken_direction;
-    assert_true(bonn_write(path, &s));
+    assert_true(bonn_write(temporary_file, &s));
     expect_refusal("direction", &options, BTF_ERROR_BAD_FILE, "view 2, light 1: number 1 is not finite");
 }
 
 /* Cut short anywhere, a file is refused: no crash, no BTF. */
-static void test_truncated(void **state) {
-    (void)state;
+TEST_WITH(test_truncated, set_up, remove_temporary_file) {
     const enc_read_options options = {0};
     context.threads = 1;
     const struct {
@@ -510,11 +465,11 @@ static void test_truncated(void **state) {
         s.width = 2;
         s.height = 1;
         s.header_version = 2;
-        assert_true(bonn_write(path, &s));
+        assert_true(bonn_write(temporary_file, &s));
         size_t size;
-        unsigned char *bytes = read_whole_file(path, &size);
+        unsigned char *bytes = read_whole_file(temporary_file, &size);
         for (size_t length = 11; length < size; length += length < 700 ? 1 : 17) {
-            write_whole_file(path, bytes, length);
+            write_whole_file(temporary_file, bytes, length);
             expect_refusal(kinds[i].signature, &options, BTF_ERROR_BAD_FILE, "field ");
         }
         free(bytes);
@@ -522,8 +477,7 @@ static void test_truncated(void **state) {
 }
 
 /* Any damage is refused or read, with finite samples; nothing else. */
-static void test_damaged(void **state) {
-    (void)state;
+TEST_WITH(test_damaged, set_up, remove_temporary_file) {
     const enc_read_options options = {0};
     context.threads = 1;
     bonn_spec s = spec_of(BONN_BDI, "!BDIF06R2!");
@@ -538,23 +492,23 @@ static void test_damaged(void **state) {
             s.width = 2;
             s.height = 2;
         }
-        assert_true(bonn_write(path, &s));
+        assert_true(bonn_write(temporary_file, &s));
         size_t size;
-        unsigned char *bytes = read_whole_file(path, &size);
+        unsigned char *bytes = read_whole_file(temporary_file, &size);
         for (size_t at = 0; at < size; at += at < 560 ? 1 : 7) {
             const unsigned char kept = bytes[at];
             bytes[at] ^= at % 2 ? 0xFF : 0x81;
-            write_whole_file(path, bytes, size);
+            write_whole_file(temporary_file, bytes, size);
             bytes[at] = kept;
             enc_data *data = NULL;
-            messages[0] = '\0';
-            if (enc_read(&context, path, &options, &data) == BTF_OK) {
+            forget_messages();
+            if (enc_read(&context, temporary_file, &options, &data) == BTF_OK) {
                 const size_t n = enc_data_texel_stride(data) * enc_data_texel_count(data);
                 for (size_t i = 0; i < n; i++) {
                     assert_true(isfinite(data->samples[i]) && data->samples[i] >= 0.0f);
                 }
             } else {
-                assert_true(messages[0] != '\0');
+                assert_true(all_messages[0] != '\0');
             }
             enc_data_destroy(&data);
         }
@@ -562,8 +516,7 @@ static void test_damaged(void **state) {
     }
 }
 
-static void test_cosine_option(void **state) {
-    (void)state;
+TEST_WITH(test_cosine_option, set_up, remove_temporary_file) {
     bonn_spec s = spec_of(BONN_DFMF, "!DFMF08FCR");
     enc_read_options options = {.cosine = ENC_COSINE_MISSING};
     enc_data *missing = read_spec(&s, &options);
@@ -577,15 +530,4 @@ static void test_cosine_option(void **state) {
     enc_data_destroy(&included);
 }
 
-int main(void) {
-#define TEST(f) cmocka_unit_test_setup_teardown(f, make_path, remove_path)
-    const struct CMUnitTest tests[] = {
-        TEST(test_dfmf),          TEST(test_fmf),       TEST(test_fmf_logarithm),
-        TEST(test_pvf),           TEST(test_bdi),       TEST(test_by_hand),
-        TEST(test_colour_models), TEST(test_parts),     TEST(test_contradictions),
-        TEST(test_not_finite),    TEST(test_truncated), TEST(test_damaged),
-        TEST(test_cosine_option),
-    };
-#undef TEST
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

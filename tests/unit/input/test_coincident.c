@@ -3,52 +3,22 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/input/light_positions.h"
 #include "encoder/paper/fit.h"
 #include "encoder/report/metrics.h"
+#include "tests/support/image_files.h"
+#include "tests/support/messages.h"
+#include "tests/support/temporary.h"
+#include "tests/support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 enum { DIRECTIONS = 13 };
 
-static char path[256], messages[1024];
-
-static void keep_message(void *user, btf_log_level level, const char *text) {
-    (void)user;
-    (void)level;
-    snprintf(messages, sizeof messages, "%s", text);
-}
 static const enc_context context = {.log = {keep_message, NULL}, .threads = 1};
 
-static int make_path(void **state) {
-    (void)state;
-    const char *base = getenv("TMPDIR");
-    snprintf(path, sizeof path, "%s/btf-table-XXXXXX", base && *base ? base : "/tmp");
-    const int fd = mkstemp(path);
-    return fd >= 0 ? close(fd) : -1;
-}
-
-static int remove_path(void **state) {
-    (void)state;
-    return remove(path);
-}
-
 static void write_table(const char *text) {
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
-    fputs(text, file);
-    assert_int_equal(fclose(file), 0);
+    write_whole_file(temporary_file, text, strlen(text));
 }
 
 /* One texel; views and lights at the pole and on rings of 6 at 30 and 60 degrees. */
@@ -62,12 +32,11 @@ static enc_data *make_data(void) {
     return data;
 }
 
-static void test_table(void **state) {
-    (void)state;
+TEST_WITH(test_table, make_temporary_file, remove_temporary_file) {
     const enc_read_options options = {0}, turned = {.azimuth_offset = 60};
     enc_data *data = make_data();
     write_table("# number theta phi, light\n 0 0 0 5 90\n\n2 30 60 33.5 61 # a note\r\n60 -60 55 301\n");
-    assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_OK);
+    assert_int_equal(enc_coincident_read(&context, temporary_file, &options, data), BTF_OK);
     assert_float_equal(enc_data_light(data, 0, 0)->theta, 5, 0);
     assert_float_equal(enc_data_light(data, 0, 0)->phi, 90, 0);
     assert_float_equal(enc_data_light(data, 2, 2)->theta, 33.5, 0);
@@ -82,13 +51,12 @@ static void test_table(void **state) {
     enc_data_destroy(&copy);
     data = make_data();
     write_table("30 0 33 1\n");
-    assert_int_equal(enc_coincident_read(&context, path, &turned, data), BTF_OK);
+    assert_int_equal(enc_coincident_read(&context, temporary_file, &turned, data), BTF_OK);
     assert_float_equal(enc_data_light(data, 2, 2)->phi, 61, 1e-9);
     enc_data_destroy(&data);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST_WITH(test_refusals, make_temporary_file, remove_temporary_file) {
     static const struct {
         const char *text, *words;
     } cases[] = {
@@ -109,10 +77,10 @@ static void test_refusals(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         enc_data *data = make_data();
         write_table(cases[i].text);
-        messages[0] = '\0';
-        assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_ERROR_BAD_FILE);
-        if (!strstr(messages, cases[i].words)) {
-            fail_msg("\"%s\" lacks \"%s\"", messages, cases[i].words);
+        last_message[0] = '\0';
+        assert_int_equal(enc_coincident_read(&context, temporary_file, &options, data), BTF_ERROR_BAD_FILE);
+        if (!strstr(last_message, cases[i].words)) {
+            fail_msg("\"%s\" lacks \"%s\"", last_message, cases[i].words);
         }
         enc_data_destroy(&data);
     }
@@ -120,13 +88,13 @@ static void test_refusals(void **state) {
     char text[6000];
     snprintf(text, sizeof text, "#%0400d\n0 0 5 90\n", 0); /* a comment is one line, however long */
     write_table(text);
-    assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_OK);
+    assert_int_equal(enc_coincident_read(&context, temporary_file, &options, data), BTF_OK);
     assert_float_equal(enc_data_light(data, 0, 0)->theta, 5, 0);
     enc_data_destroy(&data);
     data = make_data();
     snprintf(text, sizeof text, "\n#%05000d\n0 0 5 90\n", 0);
     write_table(text);
-    assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_OK);
+    assert_int_equal(enc_coincident_read(&context, temporary_file, &options, data), BTF_OK);
     enc_data_destroy(&data);
     data = make_data();
     assert_int_equal(enc_coincident_read(&context, "/nonexistent/table", &options, data), BTF_ERROR_IO);
@@ -135,8 +103,7 @@ static void test_refusals(void **state) {
 
 /* A retro-reflecting lobe, sharpest where light and view are one; there the light stood 15 degrees aside.
  * With the table the fit explains every sample, without it cannot. */
-static void test_fit(void **state) {
-    (void)state;
+TEST_WITH(test_fit, make_temporary_file, remove_temporary_file) {
     const enc_read_options options = {0};
     double error[2];
     for (int with = 0; with < 2; with++) {
@@ -148,7 +115,7 @@ static void test_fit(void **state) {
                      n->theta + 15, n->phi + 5);
         }
         write_table(table);
-        assert_int_equal(enc_coincident_read(&context, path, &options, data), BTF_OK);
+        assert_int_equal(enc_coincident_read(&context, temporary_file, &options, data), BTF_OK);
         for (size_t v = 0; v < DIRECTIONS; v++) {
             for (size_t l = 0; l < DIRECTIONS; l++) {
                 const float *w = data->views[v].xyz, *i = enc_data_light(data, v, l)->xyz;
@@ -191,8 +158,7 @@ static void test_fit(void **state) {
     }
 }
 
-static void test_error_apart(void **state) {
-    (void)state;
+TEST(test_error_apart) {
     enc_data *a = make_data(), *b = make_data();
     for (size_t v = 0; v < DIRECTIONS; v++) {
         for (size_t c = 0; c < 3; c++) {
@@ -209,12 +175,4 @@ static void test_error_apart(void **state) {
     enc_data_destroy(&b);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_table, make_path, remove_path),
-        cmocka_unit_test_setup_teardown(test_refusals, make_path, remove_path),
-        cmocka_unit_test_setup_teardown(test_fit, make_path, remove_path),
-        cmocka_unit_test(test_error_apart),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -2,21 +2,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/input/colour.h"
+#include "tests/support/test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-static void test_srgb_curve(void **state) {
-    (void)state;
+TEST(test_srgb_curve) {
     assert_true(enc_srgb_decode(0.0) == 0.0);
     assert_float_equal(enc_srgb_decode(1.0), 1.0, 1e-15);
     assert_float_equal(enc_srgb_decode(0.04045), 0.0031308049535603713, 1e-15);
@@ -43,8 +32,7 @@ static float decode_one(enc_transfer transfer, double gamma, int depth, double v
     return out[0];
 }
 
-static void test_transfer_by_depth(void **state) {
-    (void)state;
+TEST(test_transfer_by_depth) {
     assert_float_equal(decode_one(ENC_TRANSFER_AUTO, 0, 8, 128), 0.21586050f, 1e-7);
     assert_float_equal(decode_one(ENC_TRANSFER_AUTO, 0, 16, 32896), 0.21586050f, 1e-7); /* 128 * 257 */
     assert_float_equal(decode_one(ENC_TRANSFER_AUTO, 0, 32, 0.5), 0.5f, 0);
@@ -58,8 +46,7 @@ static void test_transfer_by_depth(void **state) {
     assert_true(isnan(decode_one(ENC_TRANSFER_AUTO, 0, 32, NAN)));
 }
 
-static void test_crop_and_grey(void **state) {
-    (void)state;
+TEST(test_crop_and_grey) {
     unsigned char grey[4 * 5], rgb[4 * 5 * 3];
     for (int i = 0; i < 20; i++) {
         grey[i] = (unsigned char)i;
@@ -92,8 +79,7 @@ static void test_crop_and_grey(void **state) {
     enc_decoder_destroy(&decoder);
 }
 
-static void test_xyz(void **state) {
-    (void)state;
+TEST(test_xyz) {
     /* the white point, and sRGB's primaries (IEC 61966-2-1) */
     float p[4][3] = {{0.95047f, 1.0f, 1.08883f},
                      {0.4124f, 0.2126f, 0.0193f},
@@ -108,8 +94,7 @@ static void test_xyz(void **state) {
     }
 }
 
-static void test_flip(void **state) {
-    (void)state;
+TEST(test_flip) {
     for (int height = 1; height <= 4; height++) {
         float p[4 * 2 * 3];
         for (int i = 0; i < height * 6; i++) {
@@ -122,8 +107,7 @@ static void test_flip(void **state) {
     }
 }
 
-static void test_resize_blocks(void **state) {
-    (void)state;
+TEST(test_resize_blocks) {
     float in[4 * 6 * 3], out[2 * 2 * 3];
     for (int row = 0; row < 4; row++) {
         for (int x = 0; x < 6; x++) {
@@ -143,8 +127,7 @@ static void test_resize_blocks(void **state) {
     }
 }
 
-static void test_resize_fractions(void **state) {
-    (void)state;
+TEST(test_resize_fractions) {
     /* 3 to 2: halves of the middle pixel go either way */
     const float in[9] = {1, 0, 3, 2, 6, 3, 4, 0, 9};
     float out[6];
@@ -156,8 +139,7 @@ static void test_resize_fractions(void **state) {
 }
 
 /* Any size to any: a constant stays itself, the mean is kept. */
-static void test_resize_mean(void **state) {
-    (void)state;
+TEST(test_resize_mean) {
     const int sizes[][4] = {{7, 5, 3, 4}, {5, 7, 11, 13}, {1, 1, 4, 3}, {16, 9, 1, 1}, {13, 1, 6, 1}};
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
         const int w = sizes[s][0], h = sizes[s][1], ow = sizes[s][2], oh = sizes[s][3];
@@ -184,16 +166,4 @@ static void test_resize_mean(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_srgb_curve),
-        cmocka_unit_test(test_transfer_by_depth),
-        cmocka_unit_test(test_crop_and_grey),
-        cmocka_unit_test(test_xyz),
-        cmocka_unit_test(test_flip),
-        cmocka_unit_test(test_resize_blocks),
-        cmocka_unit_test(test_resize_fractions),
-        cmocka_unit_test(test_resize_mean),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

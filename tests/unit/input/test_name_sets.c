@@ -3,28 +3,18 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/png_image.h"
 #include "tests/support/image_files.h"
 #include "tests/support/image_set.h"
+#include "tests/support/test.h"
 
 #include <fcntl.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 static const char *path_in(const char *name) {
     static char path[PATH];
-    snprintf(path, sizeof path, "%s/%s", set_folder, name);
+    snprintf(path, sizeof path, "%s/%s", temporary_folder, name);
     return path;
 }
 
@@ -54,14 +44,14 @@ static void write_text(const char *name, const char *text) {
 static const enc_read_options plain = {0};
 
 static void expect_said(const char *word) {
-    if (!strstr(set_messages, word)) {
-        fail_msg("\"%s\" does not say \"%s\"", set_messages, word);
+    if (!strstr(all_messages, word)) {
+        fail_msg("\"%s\" does not say \"%s\"", all_messages, word);
     }
 }
 
 /* Reads the set and finds it as it should be. Messages are kept for expect_said. */
 static void expect_whole(const enc_read_options *options) {
-    set_messages[0] = '\0';
+    all_messages[0] = '\0';
     enc_data *data = set_read_folder(options);
     set_expect(data, 1e-7);
     enc_data_destroy(&data);
@@ -69,7 +59,7 @@ static void expect_whole(const enc_read_options *options) {
 
 static void expect_silent(const enc_read_options *options) {
     expect_whole(options);
-    assert_string_equal(set_messages, "");
+    assert_string_equal(all_messages, "");
 }
 
 static void write_azimuths_from_minus_180(void) {
@@ -84,26 +74,23 @@ static void write_azimuths_from_minus_180(void) {
     }
 }
 
-static void test_negative(void **state) {
-    (void)state;
+SET_TEST(test_negative) {
     write_azimuths_from_minus_180();
     expect_silent(&plain);
 }
 
 /* A dash behind every key of every name separates; where one name has none it is a minus, and then a theta
  * below 0 is refused rather than read without it. */
-static void test_dashes(void **state) {
-    (void)state;
+SET_TEST(test_dashes) {
     write_set("tv-%g-pv-%g-tl-%g-pl-%g.png", 1);
     expect_silent(&plain);
     write_image(0, 0, "tv10_pv0_tl0_pl0.png");
-    set_expect_refused(set_folder, &plain, BTF_ERROR_BAD_FILE, "theta -", "the dash is read as a minus",
-                       NULL);
+    set_expect_refused(temporary_folder, &plain, BTF_ERROR_BAD_FILE, "theta -",
+                       "the dash is read as a minus", NULL);
 }
 
 /* Where every name has a dash behind the same key, the minus is told. */
-static void test_dash_behind_one_key(void **state) {
-    (void)state;
+SET_TEST(test_dash_behind_one_key) {
     for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
             char name[128];
@@ -117,16 +104,14 @@ static void test_dash_behind_one_key(void **state) {
 }
 
 /* A frame number behind a point is told, as it cannot be told from decimals. */
-static void test_frames(void **state) {
-    (void)state;
+SET_TEST(test_frames) {
     write_set("tv%03.0f_pv%03.0f_tl%03.0f_pl%03.0f.0001.png", 1);
     enc_data *data = set_read_folder(&plain);
     expect_said("the last angle alone has decimals: are they a frame number?");
     enc_data_destroy(&data);
 }
 
-static void test_noise(void **state) {
-    (void)state;
+SET_TEST(test_noise) {
     static const double noise[] = {0, 4e-15, -4e-15, 5e-4, -4e-4};
     for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
@@ -141,8 +126,7 @@ static void test_noise(void **state) {
     expect_silent(&plain);
 }
 
-static void test_decimals(void **state) {
-    (void)state;
+SET_TEST(test_decimals) {
     char name[128];
     for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
@@ -156,12 +140,11 @@ static void test_decimals(void **state) {
     }
     expect_silent(&plain);
     write_image(0, 0, "tv22_5_pv0_tl0_pl0.png");
-    set_expect_refused(set_folder, &plain, BTF_ERROR_BAD_FILE, "1 images have an angle",
+    set_expect_refused(temporary_folder, &plain, BTF_ERROR_BAD_FILE, "1 images have an angle",
                        "tv22_5_pv0_tl0_pl0.png", "decimals", "option names", NULL);
 }
 
-static void test_radians(void **state) {
-    (void)state;
+SET_TEST(test_radians) {
     write_set("tv%.4f_pv%.4f_tl%.4f_pl%.4f.png", M_PI / 180);
     enc_data *data = set_read_folder(&plain);
     expect_said("look like radians");
@@ -169,8 +152,7 @@ static void test_radians(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_indices(void **state) {
-    (void)state;
+SET_TEST(test_indices) {
     for (int v = 0; v < 3; v++) {
         for (int l = 0; l < 3; l++) {
             char name[128];
@@ -183,16 +165,14 @@ static void test_indices(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_gradians(void **state) {
-    (void)state;
+SET_TEST(test_gradians) {
     write_set("tv%.4f_pv%.4f_tl%.4f_pl%.4f.png", 1 / 0.9);
     enc_data *data = set_read_folder(&plain);
     expect_said("4 azimuths lie beyond 360 degrees");
     enc_data_destroy(&data);
 }
 
-static void test_contradictions(void **state) {
-    (void)state;
+SET_TEST(test_contradictions) {
     write_set("tv%03g_pv%03g_tl%03g_pl%03g_01.png", 1);
     expect_whole(&plain);
     expect_said("20 images have digits behind their last angle");
@@ -208,11 +188,10 @@ static void test_contradictions(void **state) {
     expect_said("1 files of image formats that are not read are left out: first is tv0_pv0_tl0_pl0.TIFF");
 }
 
-static void test_elevation(void **state) {
-    (void)state;
+SET_TEST(test_elevation) {
     write_image(0, 0, "tv90_pv0_tl30_pl0.png");
-    set_expect_refused(set_folder, &plain, BTF_ERROR_BAD_FILE, "theta 90 of the view", "not the elevation",
-                       NULL);
+    set_expect_refused(temporary_folder, &plain, BTF_ERROR_BAD_FILE, "theta 90 of the view",
+                       "not the elevation", NULL);
 }
 
 /* Writes the images as NNN.png, and a table of them with a line format of file, tv, pv, tl, pl. */
@@ -237,13 +216,12 @@ static void write_table(const char *table, const char *head, const char *format)
 static const enc_read_options *by_table(void) {
     static char path[PATH];
     static enc_read_options options;
-    snprintf(path, sizeof path, "%s/table.csv", set_folder);
+    snprintf(path, sizeof path, "%s/table.csv", temporary_folder);
     options = (enc_read_options){.names = path};
     return &options;
 }
 
-static void test_tables(void **state) {
-    (void)state;
+SET_TEST(test_tables) {
     static const struct {
         const char *head, *format;
     } cases[] = {
@@ -267,8 +245,7 @@ static void test_tables(void **state) {
 }
 
 /* Spreadsheets where the comma is the decimal point, and that separate by commas all the same, quote it. */
-static void test_quoted_commas(void **state) {
-    (void)state;
+SET_TEST(test_quoted_commas) {
     write_table("table.csv", "file,tv,pv,tl,pl\n", "%s,\"%.1f\",\"%.1f\",\"%.1f\",\"%.1f\"\n");
     char text[4096] = "";
     FILE *file = fopen(path_in("table.csv"), "r");
@@ -285,11 +262,10 @@ static void test_quoted_commas(void **state) {
 }
 
 /* The folder of the set may be named as it was given, though it is a link. */
-static void test_table_through_link(void **state) {
-    (void)state;
+SET_TEST(test_table_through_link) {
     char link[PATH + 8], format[2 * PATH];
-    snprintf(link, sizeof link, "%s.link", set_folder);
-    assert_int_equal(symlink(set_folder, link), 0);
+    snprintf(link, sizeof link, "%s.link", temporary_folder);
+    assert_int_equal(symlink(temporary_folder, link), 0);
     snprintf(format, sizeof format, "%s/%%s,%%g,%%g,%%g,%%g\n", link);
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
@@ -303,8 +279,7 @@ static void test_table_through_link(void **state) {
 }
 
 /* Headings give columns another order, and decimal commas are read where ';' separates. */
-static void test_headings(void **state) {
-    (void)state;
+SET_TEST(test_headings) {
     FILE *file = fopen(path_in("table.csv"), "w");
     fputs("# pl; tl ;note; file; pv; tv\n", file);
     for (int v = 0; v < VIEWS; v++) {
@@ -323,18 +298,17 @@ static void test_headings(void **state) {
     fclose(file);
     expect_silent(by_table());
     write_text("table.csv", "# file, theta_l, phi_l, theta_v, azimuth\na.png,0,0,0,0\n");
-    set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv: line 1", "no column phi_v",
-                       NULL);
+    set_expect_refused(temporary_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv: line 1",
+                       "no column phi_v", NULL);
     write_text("table.csv", "file,theta_l,phi_l,theta_v,azimuth\na.png,0,0,0,0\n");
-    set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv: line 1", "no column phi_v",
-                       NULL);
+    set_expect_refused(temporary_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv: line 1",
+                       "no column phi_v", NULL);
     write_text("table.csv", "file,theta_v_rad,phi_v,theta_l,phi_l\na.png,0,0,0,0\n");
-    set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv: line 1", "no column theta_v",
-                       NULL);
+    set_expect_refused(temporary_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv: line 1",
+                       "no column theta_v", NULL);
 }
 
-static void test_table_and_files(void **state) {
-    (void)state;
+SET_TEST(test_table_and_files) {
     write_table("table.csv", "nowhere.png,0,0,0,0\n", "%s,%g,%g,%g,%g\n");
     write_image(0, 0, "more.png");
     expect_whole(by_table());
@@ -344,17 +318,17 @@ static void test_table_and_files(void **state) {
     expect_said("first is more.png");
     /* a table of another set refuses this one, unless it need not be of this one */
     write_text("table.csv", "nowhere.png,0,0,0,0\n");
-    set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "none of its 1 files", NULL);
+    set_expect_refused(temporary_folder, by_table(), BTF_ERROR_BAD_FILE, "none of its 1 files", NULL);
     enc_read_options of_some = *by_table();
     of_some.names_of_some = true;
-    set_expect_refused(set_folder, &of_some, BTF_ERROR_BAD_FILE, "which are read by their names",
+    set_expect_refused(temporary_folder, &of_some, BTF_ERROR_BAD_FILE, "which are read by their names",
                        "none has a name with tl, pl, tv and pv", NULL);
     /* names with folders, and the folder of the set before them */
     write_table("table.csv", "", "tail/of/%s,%g,%g,%g,%g\n");
-    set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "none of its 20 files",
+    set_expect_refused(temporary_folder, by_table(), BTF_ERROR_BAD_FILE, "none of its 20 files",
                        "line 1: 'tail/of/000.png'", NULL);
     char format[PATH];
-    snprintf(format, sizeof format, "%s/%%s,%%g,%%g,%%g,%%g\n", strrchr(set_folder, '/') + 1);
+    snprintf(format, sizeof format, "%s/%%s,%%g,%%g,%%g,%%g\n", strrchr(temporary_folder, '/') + 1);
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
     write_table("table.csv", "", format);
@@ -366,12 +340,11 @@ static void test_table_and_files(void **state) {
     write_image(0, 0, "a/x.png");
     write_image(0, 0, "b/x.png");
     write_text("table.csv", "x.png,0,0,0,0\n");
-    set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE,
+    set_expect_refused(temporary_folder, by_table(), BTF_ERROR_BAD_FILE,
                        "line 1: 'x.png' is the name of several images", "a/x.png, b/x.png", NULL);
 }
 
-static void test_bad_tables(void **state) {
-    (void)state;
+SET_TEST(test_bad_tables) {
     static const struct {
         const char *text, *words;
     } cases[] = {
@@ -393,26 +366,27 @@ static void test_bad_tables(void **state) {
     write_table("table.csv", "", "%s,%g,%g,%g,%g\n");
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         write_text("table.csv", cases[i].text);
-        set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv", cases[i].words, NULL);
+        set_expect_refused(temporary_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv", cases[i].words,
+                           NULL);
     }
     write_whole_file(path_in("table.csv"),
                      "\xff\xfe"
                      "0\0,\0",
                      6);
-    set_expect_refused(set_folder, by_table(), BTF_ERROR_UNSUPPORTED, "table.csv: the text is UTF-16",
+    set_expect_refused(temporary_folder, by_table(), BTF_ERROR_UNSUPPORTED, "table.csv: the text is UTF-16",
                        NULL);
     write_whole_file(path_in("table.csv"), "0\0,\0\n\0", 6);
-    set_expect_refused(set_folder, by_table(), BTF_ERROR_UNSUPPORTED, "table.csv: the text is UTF-16",
+    set_expect_refused(temporary_folder, by_table(), BTF_ERROR_UNSUPPORTED, "table.csv: the text is UTF-16",
                        NULL);
     write_whole_file(path_in("table.csv"), "000.png,0,0,0,0\0", 16);
-    set_expect_refused(set_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv: not a text file", NULL);
+    set_expect_refused(temporary_folder, by_table(), BTF_ERROR_BAD_FILE, "table.csv: not a text file",
+                       NULL);
     unlink(path_in("table.csv"));
-    set_expect_refused(set_folder, by_table(), BTF_ERROR_IO, "table.csv", NULL);
+    set_expect_refused(temporary_folder, by_table(), BTF_ERROR_IO, "table.csv", NULL);
 }
 
 /* Entries of a folder that cannot be opened are told, and the rest is read. */
-static void test_folders(void **state) {
-    (void)state;
+SET_TEST(test_folders) {
     write_set("tv%g_pv%g_tl%g_pl%g.png", 1);
     assert_int_equal(symlink("nowhere", path_in("dangling.png")), 0);
     assert_int_equal(symlink("loop", path_in("loop")), 0);
@@ -426,8 +400,7 @@ static void test_folders(void **state) {
     expect_said("tv1_pv1_tl1_pl1.png: is neither a file nor a folder");
 }
 
-static void test_unreadable_folder(void **state) {
-    (void)state;
+SET_TEST(test_unreadable_folder) {
     if (geteuid() == 0 && seteuid(65534) != 0) {
         print_message("skipped: root reads every folder, and cannot become another user here\n");
         return;
@@ -436,14 +409,15 @@ static void test_unreadable_folder(void **state) {
     assert_true(seteuid(getuid()) == 0);
     write_set("tv%g_pv%g_tl%g_pl%g.png", 1);
     assert_int_equal(mkdir(path_in("lost+found"), 0), 0);
-    assert_int_equal(chmod(set_folder, 0755), 0);
+    assert_int_equal(chmod(temporary_folder, 0755), 0);
     assert_true(seteuid(user) == 0);
-    if (access(set_folder, R_OK) == 0 && faccessat(AT_FDCWD, set_folder, R_OK | X_OK, AT_EACCESS) != 0) {
+    if (access(temporary_folder, R_OK) == 0 &&
+        faccessat(AT_FDCWD, temporary_folder, R_OK | X_OK, AT_EACCESS) != 0) {
         assert_true(seteuid(getuid()) == 0);
-        print_message("skipped: %s is not to be reached by another user\n", set_folder);
+        print_message("skipped: %s is not to be reached by another user\n", temporary_folder);
         return;
     }
-    set_messages[0] = '\0';
+    all_messages[0] = '\0';
     enc_data *data = set_read_folder(&plain);
     assert_true(seteuid(getuid()) == 0);
     set_expect(data, 1e-7);
@@ -454,28 +428,4 @@ static void test_unreadable_folder(void **state) {
     set_expect_refused(path_in("nowhere"), &plain, BTF_ERROR_IO, "nowhere", NULL);
 }
 
-int main(void) {
-#define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, set_make_folder, set_remove_folder)
-    const struct CMUnitTest tests[] = {
-        IN_FOLDER(test_negative),
-        IN_FOLDER(test_dashes),
-        IN_FOLDER(test_dash_behind_one_key),
-        IN_FOLDER(test_frames),
-        IN_FOLDER(test_indices),
-        IN_FOLDER(test_quoted_commas),
-        IN_FOLDER(test_table_through_link),
-        IN_FOLDER(test_noise),
-        IN_FOLDER(test_decimals),
-        IN_FOLDER(test_radians),
-        IN_FOLDER(test_gradians),
-        IN_FOLDER(test_contradictions),
-        IN_FOLDER(test_elevation),
-        IN_FOLDER(test_tables),
-        IN_FOLDER(test_headings),
-        IN_FOLDER(test_table_and_files),
-        IN_FOLDER(test_bad_tables),
-        IN_FOLDER(test_folders),
-        IN_FOLDER(test_unreadable_folder),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -2,17 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/input/names.h"
-
-#include <stdio.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 /* Reads a name that is its whole data set. */
 static enc_name_verdict parse_alone(const char *path, enc_name *name, enc_angles *angles) {
@@ -51,16 +42,14 @@ static void expect_bad(const char *path, const char *bad, const char *why) {
     }
 }
 
-static void test_laboratories(void **state) {
-    (void)state;
+TEST(test_laboratories) {
     expect("00008 tl000 pl000 tv030 pv030.jpg", 0, 0, 30, 30);
     expect("UBO2003/MANYFILES/tv000_pv000/00567 tl075 pl345 tv000 pv000.jpg", 75, 345, 0, 0);
     expect("tl015_pl060_tv045_pv340.exr", 15, 60, 45, 340);
     expect("tv11_pv7.5_tl23.5_pl-15.png", 23.5, -15, 11, 7.5);
 }
 
-static void test_order_and_separators(void **state) {
-    (void)state;
+TEST(test_order_and_separators) {
     expect("pv4tv3pl2tl1.png", 1, 2, 3, 4);
     expect("TL01 Pl_02-tV=03 - PV--04.PNG", 1, 2, 3, -4);
     expect("tl1pl2tv3pv4", 1, 2, 3, 4);
@@ -68,8 +57,7 @@ static void test_order_and_separators(void **state) {
     expect("2003-tl001-pl002-tv003-pv004-05.jpg", 1, 2, 3, 4);
 }
 
-static void test_sign(void **state) {
-    (void)state;
+TEST(test_sign) {
     expect("tl10 pl -30 tv20 pv_-7.5.exr", 10, -30, 20, -7.5);
     expect("tl+10 pl+30 tv20 pv=+7.exr", 10, 30, 20, 7);
     expect("tl10 pl\u221230 tv20 pv_\u22127.exr", 10, -30, 20, -7);
@@ -86,8 +74,7 @@ static void test_sign(void **state) {
 }
 
 /* Another name of the set may tell that a dash is a minus. */
-static void test_sign_of_a_set(void **state) {
-    (void)state;
+TEST(test_sign_of_a_set) {
     enc_name dashed, plain;
     assert_int_equal(enc_names_parse("tl-10_pl-30_tv-20_pv-7.exr", &dashed), ENC_NAME_READ);
     assert_int_equal(enc_names_parse("tl10_pl30_tv20_pv7.exr", &plain), ENC_NAME_READ);
@@ -97,8 +84,7 @@ static void test_sign_of_a_set(void **state) {
     assert_true(a.theta_light == -10 && a.phi_light == -30 && a.theta_view == -20 && a.phi_view == -7);
 }
 
-static void test_numbers(void **state) {
-    (void)state;
+TEST(test_numbers) {
     expect("tl22,5 pl22p5 tv3.5e-15 pv1.5E+2.png", 22.5, 22.5, 3.5 / 1e15, 150);
     expect("tl22p5pl30tv22P5pv0.png", 22.5, 30, 22.5, 0);
     expect("tl.5 pl.25 tv0 pv0.png", 0.5, 0.25, 0, 0);
@@ -144,8 +130,7 @@ static void test_numbers(void **state) {
     expect("tv22x5/tl0 pl0 tv5 pv0.png", 0, 0, 5, 0); /* nor spoils what it has no say in */
 }
 
-static void test_doubts(void **state) {
-    (void)state;
+TEST(test_doubts) {
     static const struct {
         const char *path;
         bool counter, differs, frame;
@@ -179,8 +164,7 @@ static void test_doubts(void **state) {
     }
 }
 
-static void test_number(void **state) {
-    (void)state;
+TEST(test_number) {
     double x = 0;
     assert_true(enc_names_number("-7.5", false, &x) && x == -7.5);
     assert_true(enc_names_number("+1e-2", false, &x) && x == 0.01);
@@ -198,8 +182,7 @@ static void test_number(void **state) {
     }
 }
 
-static void test_units(void **state) {
-    (void)state;
+TEST(test_units) {
     static const struct {
         enc_angles angles[2];
         enc_radians radians;
@@ -223,8 +206,7 @@ static void test_units(void **state) {
     }
 }
 
-static void test_decimals(void **state) {
-    (void)state;
+TEST(test_decimals) {
     expect("tl7.5 pl0.25 tv22.50 pv359.999.jpg", 7.5, 0.25, 22.5, 359.999);
     expect("pl1 tv2 pv3 tl000.jpg", 0, 1, 2, 3);
     expect("pl1 tv2 pv3 tl000.5.jpg", 0.5, 1, 2, 3);
@@ -232,8 +214,7 @@ static void test_decimals(void **state) {
     expect("tl1.pl2.tv3.pv4.exr", 1, 2, 3, 4);
 }
 
-static void test_folders(void **state) {
-    (void)state;
+TEST(test_folders) {
     expect("tv030_pv060/tl015 pl090.png", 15, 90, 30, 60);
     expect("set\\tv030_pv060\\tl015 pl090.png", 15, 90, 30, 60); /* of an archive made by Windows */
     expect("a/tv30/pv60/b/tl15/pl90/image.png", 15, 90, 30, 60);
@@ -244,8 +225,7 @@ static void test_folders(void **state) {
     expect("set.tv30/pv60.x/tl15 pl90.png", 15, 90, 30, 60);
 }
 
-static void test_refused(void **state) {
-    (void)state;
+TEST(test_refused) {
     expect_none("");
     expect_none("/");
     expect_none("tl000 pl000 tv030.jpg");
@@ -260,8 +240,7 @@ static void test_refused(void **state) {
     expect("html5/castle tl1 pl2 tv3 pv4.jpg", 1, 2, 3, 4); /* no key in "castle" */
 }
 
-static void test_extensions(void **state) {
-    (void)state;
+TEST(test_extensions) {
     assert_true(enc_names_is_image("a/b.jpg"));
     assert_true(enc_names_is_image("b.JPEG"));
     assert_true(enc_names_is_image("tl7.5.png"));
@@ -282,14 +261,4 @@ static void test_extensions(void **state) {
     assert_false(enc_names_is_foreign_image("._b.tif"));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_laboratories),  cmocka_unit_test(test_order_and_separators),
-        cmocka_unit_test(test_sign),          cmocka_unit_test(test_decimals),
-        cmocka_unit_test(test_sign_of_a_set), cmocka_unit_test(test_numbers),
-        cmocka_unit_test(test_doubts),        cmocka_unit_test(test_number),
-        cmocka_unit_test(test_units),         cmocka_unit_test(test_folders),
-        cmocka_unit_test(test_refused),       cmocka_unit_test(test_extensions),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

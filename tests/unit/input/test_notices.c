@@ -3,17 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/input/notices.h"
-
-#include <stdio.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 static char said[1024];
 
@@ -31,8 +22,7 @@ static void expect(enc_notices *notices, const char *lines) {
     assert_string_equal(said, lines);
 }
 
-static void test_lines(void **state) {
-    (void)state;
+TEST(test_lines) {
     enc_notices *notices = enc_notices_create();
     expect(notices, "");
     enc_notices_add(notices, BTF_LOG_WARNING, "profile", "b.png", "profile 'A' is not obeyed");
@@ -50,8 +40,7 @@ static void test_lines(void **state) {
 }
 
 /* The lines do not depend on the order in which threads come. */
-static void test_threads(void **state) {
-    (void)state;
+TEST(test_threads) {
     enc_notices *notices = enc_notices_create();
 #pragma omp parallel for num_threads(8) schedule(dynamic)
     for (int i = 0; i < 800; i++) {
@@ -66,8 +55,7 @@ static void test_threads(void **state) {
 }
 
 /* A failure is passed on, and what was noted before it is told all the same. */
-static void test_failure(void **state) {
-    (void)state;
+TEST(test_failure) {
     enc_notices *notices = enc_notices_create();
     enc_notices_add(notices, BTF_LOG_WARNING, "gamma", "a.png", "gamma 0.6");
     said[0] = '\0';
@@ -76,11 +64,4 @@ static void test_failure(void **state) {
     enc_notices_destroy(&notices);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lines),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_failure),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -2,25 +2,15 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/exr_image.h"
 #include "decoder/toolkit/jpeg_image.h"
 #include "decoder/toolkit/png_image.h"
 #include "tests/support/exr_bytes.h"
 #include "tests/support/image_files.h"
 #include "tests/support/image_set.h"
+#include "tests/support/test.h"
 
-#include <math.h>
 #include <png.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -30,31 +20,29 @@ static float one_green(int c, int x, int y) {
     return c == 1;
 }
 
-static void test_names(void **state) {
-    (void)state;
+SET_TEST(test_names) {
     const enc_read_options options = {0};
     for (int naming = UBO; naming <= FOLDERS; naming++) {
         char path[PATH];
         set_write((custom)naming);
-        snprintf(path, sizeof path, "%s/readme.txt", set_folder);
+        snprintf(path, sizeof path, "%s/readme.txt", temporary_folder);
         write_whole_file(path, "x", 1);
-        snprintf(path, sizeof path, "%s/preview.png", set_folder);
+        snprintf(path, sizeof path, "%s/preview.png", temporary_folder);
         write_whole_file(path, "x", 1);
         enc_data *data = set_read_folder(&options);
         set_expect(data, 1e-7);
-        assert_string_equal(data->source, set_folder);
+        assert_string_equal(data->source, temporary_folder);
         assert_true(data->negative == 0);
-        assert_non_null(strstr(set_messages, "1 images are left out"));
-        assert_non_null(strstr(set_messages, "preview.png"));
+        assert_non_null(strstr(all_messages, "1 images are left out"));
+        assert_non_null(strstr(all_messages, "preview.png"));
         enc_data_destroy(&data);
         assert_null(data);
-        set_remove_folder(NULL);
+        remove_temporary_folder(NULL);
         set_make_folder(NULL);
     }
 }
 
-static void test_png_16(void **state) {
-    (void)state;
+SET_TEST(test_png_16) {
     const enc_read_options options = {0};
     for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
@@ -73,8 +61,7 @@ static void test_png_16(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_jpeg(void **state) {
-    (void)state;
+SET_TEST(test_jpeg) {
     const enc_read_options options = {0};
     for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
@@ -95,8 +82,7 @@ static void test_jpeg(void **state) {
 }
 
 /* Linear formats hold the linear value itself. */
-static void test_float_formats(void **state) {
-    (void)state;
+SET_TEST(test_float_formats) {
     for (int half = 0; half < 2; half++) {
         for (int v = 0; v < VIEWS; v++) {
             for (int l = 0; l < LIGHTS; l++) {
@@ -115,7 +101,7 @@ static void test_float_formats(void **state) {
         set_expect(data, half ? 0.0005 : 1e-7);
         enc_data_destroy(&data);
     }
-    set_remove_folder(NULL);
+    remove_temporary_folder(NULL);
     set_make_folder(NULL);
     for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
@@ -137,8 +123,7 @@ static void test_float_formats(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_xyz(void **state) {
-    (void)state;
+SET_TEST(test_xyz) {
     /* rows: what R, G and B of 1 are in XYZ (IEC 61966-2-1) */
     static const double matrix[3][3] = {{0.4123908, 0.2126390, 0.0193308},
                                         {0.3575843, 0.7151687, 0.1191948},
@@ -166,12 +151,11 @@ static void test_xyz(void **state) {
     /* files that say so themselves are not taken for RGB */
     float xyz[W * H * 3] = {0};
     write_exr_tiled(set_name_of(UTIA, 2, 2, "exr"), W, H, 3, "XYZ", xyz);
-    set_expect_refused(set_folder, &(enc_read_options){0}, BTF_ERROR_BAD_FILE,
+    set_expect_refused(temporary_folder, &(enc_read_options){0}, BTF_ERROR_BAD_FILE,
                        "tl015_pl270_tv030_pv120.exr", "--colour xyz", "primaries xyz", NULL);
 }
 
-static void test_transfer(void **state) {
-    (void)state;
+SET_TEST(test_transfer) {
     set_write(UBO);
     enc_data *data = set_read_folder(&(enc_read_options){.transfer = ENC_TRANSFER_LINEAR});
     assert_float_equal(set_sample(data, 1, 2, 3, 4, 0), set_code(1, 2, 3, 4, 0) / 255.0, 1e-7);
@@ -179,12 +163,11 @@ static void test_transfer(void **state) {
     data = set_read_folder(&(enc_read_options){.transfer = ENC_TRANSFER_GAMMA, .gamma = 2.2});
     assert_float_equal(set_sample(data, 1, 2, 3, 4, 0), pow(set_code(1, 2, 3, 4, 0) / 255.0, 2.2), 1e-7);
     enc_data_destroy(&data);
-    set_expect_refused(set_folder, &(enc_read_options){.transfer = ENC_TRANSFER_GAMMA}, BTF_ERROR_USAGE,
-                       "gamma 0", NULL);
+    set_expect_refused(temporary_folder, &(enc_read_options){.transfer = ENC_TRANSFER_GAMMA},
+                       BTF_ERROR_USAGE, "gamma 0", NULL);
 }
 
-static void test_geometry(void **state) {
-    (void)state;
+SET_TEST(test_geometry) {
     set_write(UBO);
     enc_data *data = set_read_folder(&(enc_read_options){.flip_v = true, .transfer = ENC_TRANSFER_LINEAR});
     assert_float_equal(set_sample(data, 1, 2, 0, 4, 0), set_code(1, 2, H - 1, 4, 0) / 255.0, 1e-7);
@@ -214,12 +197,11 @@ static void test_geometry(void **state) {
                                         {.size = {16385, 1}},   {.size = {-1, -1}}};
     const char *words[] = {"5x4", "5x4", "crop", "size 0x5", "16385", "-1"};
     for (size_t i = 0; i < 6; i++) {
-        set_expect_refused(set_folder, &outside[i], BTF_ERROR_USAGE, words[i], NULL);
+        set_expect_refused(temporary_folder, &outside[i], BTF_ERROR_USAGE, words[i], NULL);
     }
 }
 
-static void test_azimuths(void **state) {
-    (void)state;
+SET_TEST(test_azimuths) {
     set_write(UBO);
     enc_data *data = set_read_folder(&(enc_read_options){.azimuth_cw = true, .azimuth_offset = 30});
     /* theta 15: 90 and 270 become 300 and 120, which turns their order; theta 0 stays */
@@ -236,8 +218,7 @@ static void test_azimuths(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_directions(void **state) {
-    (void)state;
+TEST(test_directions) {
     const enc_direction x = enc_direction_from_angles(90, 0), y = enc_direction_from_angles(90, 90);
     const enc_direction z = enc_direction_from_angles(0, 77), d = enc_direction_from_angles(60, 225);
     const float expected[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -249,63 +230,63 @@ static void test_directions(void **state) {
     assert_float_equal(d.xyz[2], 0.5, 1e-7);
 }
 
-static void test_missing_and_duplicate(void **state) {
-    (void)state;
+SET_TEST(test_missing_and_duplicate) {
     const enc_read_options options = {0};
     char path[PATH];
     set_write(UBO);
     assert_int_equal(unlink(set_name_of(UBO, 1, 3, "png")), 0);
     assert_int_equal(unlink(set_name_of(UBO, 2, 0, "png")), 0);
     assert_int_equal(unlink(set_name_of(UBO, 3, 4, "png")), 0);
-    set_expect_refused(set_folder, &options, BTF_ERROR_BAD_FILE, "3 of 20 images are missing",
+    set_expect_refused(temporary_folder, &options, BTF_ERROR_BAD_FILE, "3 of 20 images are missing",
                        "first is view (30,0) light (45,7.5)", NULL);
     set_write(UBO);
-    snprintf(path, sizeof path, "%s/copy tv75 pv240 tl15 pl90.png", set_folder);
+    snprintf(path, sizeof path, "%s/copy tv75 pv240 tl15 pl90.png", temporary_folder);
     write_whole_file(path, "", 0);
-    set_expect_refused(set_folder, &options, BTF_ERROR_BAD_FILE, "1 images repeat",
+    set_expect_refused(temporary_folder, &options, BTF_ERROR_BAD_FILE, "1 images repeat",
                        "view (75,240) light (15,90)", "copy tv75 pv240 tl15 pl90.png",
                        "00017 tl015 pl090 tv075 pv240.png", NULL);
     unlink(path);
     /* 360 + 90 is 90 */
-    snprintf(path, sizeof path, "%s/tv75 pv240 tl15 pl450.png", set_folder);
+    snprintf(path, sizeof path, "%s/tv75 pv240 tl15 pl450.png", temporary_folder);
     write_whole_file(path, "", 0);
-    set_expect_refused(set_folder, &options, BTF_ERROR_BAD_FILE, "1 images repeat", "pl450.png", NULL);
+    set_expect_refused(temporary_folder, &options, BTF_ERROR_BAD_FILE, "1 images repeat", "pl450.png",
+                       NULL);
 }
 
-static void test_refused_directions(void **state) {
-    (void)state;
+SET_TEST(test_refused_directions) {
     const enc_read_options options = {0};
     char path[PATH];
-    set_expect_refused(set_folder, &options, BTF_ERROR_BAD_FILE, set_folder,
+    set_expect_refused(temporary_folder, &options, BTF_ERROR_BAD_FILE, temporary_folder,
                        "no JPEG, PNG, HDR or EXR image", NULL);
-    snprintf(path, sizeof path, "%s/image.png", set_folder);
+    snprintf(path, sizeof path, "%s/image.png", temporary_folder);
     write_whole_file(path, "", 0);
-    set_expect_refused(set_folder, &options, BTF_ERROR_BAD_FILE, "of 1 images none", "image.png", NULL);
-    snprintf(path, sizeof path, "%s/tl95 pl0 tv0 pv0.png", set_folder);
+    set_expect_refused(temporary_folder, &options, BTF_ERROR_BAD_FILE, "of 1 images none", "image.png",
+                       NULL);
+    snprintf(path, sizeof path, "%s/tl95 pl0 tv0 pv0.png", temporary_folder);
     write_whole_file(path, "", 0);
-    set_expect_refused(set_folder, &options, BTF_ERROR_BAD_FILE, "theta 95 of the light", "tl95", NULL);
+    set_expect_refused(temporary_folder, &options, BTF_ERROR_BAD_FILE, "theta 95 of the light", "tl95",
+                       NULL);
     unlink(path);
-    snprintf(path, sizeof path, "%s/tl0 pl0 tv5.5 pv10.png", set_folder);
+    snprintf(path, sizeof path, "%s/tl0 pl0 tv5.5 pv10.png", temporary_folder);
     write_whole_file(path, "", 0);
-    set_expect_refused(set_folder, &options, BTF_ERROR_BAD_FILE, "no top view", "(5.5,10)", NULL);
-    snprintf(path, sizeof path, "%s/tl0 pl0 tv0 pv10.png", set_folder);
+    set_expect_refused(temporary_folder, &options, BTF_ERROR_BAD_FILE, "no top view", "(5.5,10)", NULL);
+    snprintf(path, sizeof path, "%s/tl0 pl0 tv0 pv10.png", temporary_folder);
     write_whole_file(path, "", 0);
-    snprintf(path, sizeof path, "%s/tl0 pl0 tv0 pv20.png", set_folder);
+    snprintf(path, sizeof path, "%s/tl0 pl0 tv0 pv20.png", temporary_folder);
     write_whole_file(path, "", 0);
-    set_expect_refused(set_folder, &options, BTF_ERROR_BAD_FILE,
+    set_expect_refused(temporary_folder, &options, BTF_ERROR_BAD_FILE,
                        "view directions (0,10) and (0,20) are one", NULL);
     for (int i = 0; i < 257; i++) {
-        snprintf(path, sizeof path, "%s/tl40 pl%d tv0 pv10.png", set_folder, i);
+        snprintf(path, sizeof path, "%s/tl40 pl%d tv0 pv10.png", temporary_folder, i);
         write_whole_file(path, "", 0);
     }
     unlink(path);
-    snprintf(path, sizeof path, "%s/tl0 pl0 tv0 pv20.png", set_folder);
+    snprintf(path, sizeof path, "%s/tl0 pl0 tv0 pv20.png", temporary_folder);
     unlink(path);
-    set_expect_refused(set_folder, &options, BTF_ERROR_UNSUPPORTED, "257 light directions", NULL);
+    set_expect_refused(temporary_folder, &options, BTF_ERROR_UNSUPPORTED, "257 light directions", NULL);
 }
 
-static void test_refused_images(void **state) {
-    (void)state;
+SET_TEST(test_refused_images) {
     const enc_read_options options = {0};
     set_write(UBO);
     /* truncated; damaged; another size */
@@ -313,25 +294,24 @@ static void test_refused_images(void **state) {
     void *data = read_whole_file(set_name_of(UBO, 1, 2, "png"), &size);
     write_whole_file(set_name_of(UBO, 1, 2, "png"), data, size - 5);
     free(data);
-    set_expect_refused(set_folder, &options, BTF_ERROR_BAD_FILE, "00008 tl015 pl270 tv030 pv000.png", "PNG",
-                       NULL);
+    set_expect_refused(temporary_folder, &options, BTF_ERROR_BAD_FILE, "00008 tl015 pl270 tv030 pv000.png",
+                       "PNG", NULL);
     set_write_png8(UBO, 1, 2);
     unsigned char codes[W * H * 3] = {0};
     assert_int_equal(png_image_write8(set_name_of(UBO, 3, 1, "png"), H, W, codes, set_no_log), BTF_OK);
-    set_expect_refused(set_folder, &options, BTF_ERROR_BAD_FILE, "00017",
+    set_expect_refused(temporary_folder, &options, BTF_ERROR_BAD_FILE, "00017",
                        "4x5 pixels, but the first image has 5x4", NULL);
     set_write_png8(UBO, 3, 1);
     write_whole_file(set_name_of(UBO, 0, 0, "png"), "", 0);
-    set_expect_refused(set_folder, &options, BTF_ERROR_BAD_FILE, "00001", "empty file", NULL);
+    set_expect_refused(temporary_folder, &options, BTF_ERROR_BAD_FILE, "00001", "empty file", NULL);
     set_write_png8(UBO, 0, 0);
     assert_int_equal(unlink(set_name_of(UBO, 2, 2, "png")), 0);
     assert_int_equal(mkdir(set_name_of(UBO, 2, 2, "png"), 0777), 0);
-    set_expect_refused(set_folder, &options, BTF_ERROR_BAD_FILE, "1 of 20 images are missing", NULL);
+    set_expect_refused(temporary_folder, &options, BTF_ERROR_BAD_FILE, "1 of 20 images are missing", NULL);
     set_expect_refused("/nowhere/at/all", &options, BTF_ERROR_IO, "/nowhere/at/all", "No such file", NULL);
 }
 
-static void test_refused_values(void **state) {
-    (void)state;
+SET_TEST(test_refused_values) {
     float rgb[W * H * 3];
     for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
@@ -352,10 +332,10 @@ static void test_refused_values(void **state) {
     assert_true(data->negative == 3);
     assert_true(set_sample(data, 2, 1, 3, 1, 2) == 0.0f);
     assert_true(set_sample(data, 2, 1, 3, 1, 1) == 0.25f);
-    assert_non_null(strstr(set_messages, "3 samples below 0 in 2 images"));
-    assert_non_null(strstr(set_messages, "tl015_pl090_tv030_pv120.exr"));
+    assert_non_null(strstr(all_messages, "3 samples below 0 in 2 images"));
+    assert_non_null(strstr(all_messages, "tl015_pl090_tv030_pv120.exr"));
     enc_data_destroy(&data);
-    set_expect_refused(set_folder, &(enc_read_options){.strict = true}, BTF_ERROR_BAD_FILE,
+    set_expect_refused(temporary_folder, &(enc_read_options){.strict = true}, BTF_ERROR_BAD_FILE,
                        "tl015_pl090_tv030_pv120.exr", "column 1, row 3, channel B is below 0 (-0.5)", NULL);
 
     const float bad[2] = {NAN, INFINITY};
@@ -363,21 +343,20 @@ static void test_refused_values(void **state) {
         rgb[(2 * W + 4) * 3 + 1] = bad[k];
         assert_int_equal(exr_image_write(set_name_of(UTIA, 3, 0, "exr"), W, H, rgb, false, set_no_log),
                          BTF_OK);
-        set_expect_refused(set_folder, &(enc_read_options){0}, BTF_ERROR_BAD_FILE,
+        set_expect_refused(temporary_folder, &(enc_read_options){0}, BTF_ERROR_BAD_FILE,
                            "tl000_pl000_tv075_pv240.exr",
                            "column 4, row 2, channel G is not a finite number", NULL);
         /* a part that leaves it out is fine */
         data = set_read_folder(&(enc_read_options){.crop = {0, 0, 4, 4}});
         enc_data_destroy(&data);
-        set_expect_refused(set_folder, &(enc_read_options){.crop = {1, 1, 4, 3}}, BTF_ERROR_BAD_FILE,
+        set_expect_refused(temporary_folder, &(enc_read_options){.crop = {1, 1, 4, 3}}, BTF_ERROR_BAD_FILE,
                            "column 4, row 2", NULL);
     }
 }
 
 /* Half of the images say that they are linear, and one has a profile: each is told once, with a count, the first file
  * and its value; --transfer has the last word. */
-static void test_notes(void **state) {
-    (void)state;
+SET_TEST(test_notes) {
     const enc_read_options options = {0};
     unsigned char codes[W * H * 3];
     for (int v = 0; v < VIEWS; v++) {
@@ -408,18 +387,17 @@ static void test_notes(void **state) {
         assert_true(fabs((double)set_sample(data, 1, l, 2, 3, 1) - want) < 1e-6);
     }
     enc_data_destroy(&data);
-    assert_non_null(strstr(set_messages, "12 images, with other values too: "));
-    assert_non_null(strstr(set_messages, ".png: PNG: gAMA 1 is applied"));
-    set_messages[0] = '\0';
+    assert_non_null(strstr(all_messages, "12 images, with other values too: "));
+    assert_non_null(strstr(all_messages, ".png: PNG: gAMA 1 is applied"));
+    all_messages[0] = '\0';
     data = set_read_folder(&(enc_read_options){.transfer = ENC_TRANSFER_SRGB});
     set_expect(data, 1e-7);
     enc_data_destroy(&data);
-    assert_null(strstr(set_messages, "gAMA"));
+    assert_null(strstr(all_messages, "gAMA"));
 }
 
 /* Primaries are converted, but where --colour says what the values are. */
-static void test_primaries(void **state) {
-    (void)state;
+SET_TEST(test_primaries) {
     static const float p3[8] = {0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f};
     for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
@@ -442,34 +420,14 @@ static void test_primaries(void **state) {
     assert_true(fabs((double)set_sample(data, 1, 2, 1, 1, 1) - 1.0420) < 1e-3);
     assert_true(data->negative == VIEWS * LIGHTS * W * H * 2);
     enc_data_destroy(&data);
-    assert_non_null(strstr(set_messages, "20 images: "));
-    assert_non_null(strstr(set_messages, ".exr: EXR chromaticities red (0.68,0.32)"));
-    assert_non_null(strstr(set_messages, "converted to Rec. 709"));
-    set_messages[0] = '\0';
+    assert_non_null(strstr(all_messages, "20 images: "));
+    assert_non_null(strstr(all_messages, ".exr: EXR chromaticities red (0.68,0.32)"));
+    assert_non_null(strstr(all_messages, "converted to Rec. 709"));
+    all_messages[0] = '\0';
     data = set_read_folder(&(enc_read_options){.colour = ENC_COLOUR_RGB});
     assert_true(set_sample(data, 1, 2, 1, 1, 1) == 1.0f && data->negative == 0);
     enc_data_destroy(&data);
-    assert_null(strstr(set_messages, "converted"));
+    assert_null(strstr(all_messages, "converted"));
 }
 
-int main(void) {
-#define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, set_make_folder, set_remove_folder)
-    const struct CMUnitTest tests[] = {
-        IN_FOLDER(test_names),
-        IN_FOLDER(test_png_16),
-        IN_FOLDER(test_jpeg),
-        IN_FOLDER(test_float_formats),
-        IN_FOLDER(test_xyz),
-        IN_FOLDER(test_transfer),
-        IN_FOLDER(test_notes),
-        IN_FOLDER(test_primaries),
-        IN_FOLDER(test_geometry),
-        IN_FOLDER(test_azimuths),
-        cmocka_unit_test(test_directions),
-        IN_FOLDER(test_missing_and_duplicate),
-        IN_FOLDER(test_refused_directions),
-        IN_FOLDER(test_refused_images),
-        IN_FOLDER(test_refused_values),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,28 +4,17 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "tests/support/image_files.h"
 #include "tests/support/image_set.h"
+#include "tests/support/test.h"
 
 #include <archive.h>
 #include <archive_entry.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 /* A different thread count, and a scratch file in blocks of one image, give the same samples. */
-static void test_scratch_file(void **state) {
-    (void)state;
+SET_TEST(test_scratch_file) {
     const enc_read_options options = {0};
     set_write(UBO);
     enc_data *memory = set_read_folder(&options);
@@ -40,11 +29,11 @@ static void test_scratch_file(void **state) {
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         set_context.memory = limits[i];
         set_context.threads = 1 + (int)i % 2;
-        set_messages[0] = '\0';
+        all_messages[0] = '\0';
         enc_data *scratch = set_read_folder(&options);
         assert_null(scratch->samples);
         assert_true(scratch->scratch_fd >= 0);
-        assert_non_null(strstr(set_messages, "scratch file in"));
+        assert_non_null(strstr(all_messages, "scratch file in"));
         struct stat status;
         assert_int_equal(fstat(scratch->scratch_fd, &status), 0);
         assert_int_equal(status.st_nlink, 0); /* nobody else sees it */
@@ -68,8 +57,7 @@ static void test_scratch_file(void **state) {
     enc_data_destroy(&memory);
 }
 
-static void test_data(void **state) {
-    (void)state;
+SET_TEST(test_data) {
     const enc_direction list[2] = {enc_direction_from_angles(0, 0), enc_direction_from_angles(30, 0)};
     float in[2 * 2 * 3 * 2], buffer[2 * 2 * 3 * 2];
     for (int i = 0; i < 24; i++) {
@@ -98,15 +86,15 @@ static void test_data(void **state) {
     for (int i = 0; i < 256; i++) {
         many[i] = list[i % 2];
     }
-    set_messages[0] = '\0';
+    all_messages[0] = '\0';
     assert_int_equal(enc_data_create(&set_context, 16384, 16384, 256, many, 256, many, &data),
                      BTF_ERROR_IO);
-    assert_non_null(strstr(set_messages, "GB are free"));
+    assert_non_null(strstr(all_messages, "GB are free"));
     const char *old = getenv("TMPDIR");
     char *kept = old ? strdup(old) : NULL;
     setenv("TMPDIR", "/nowhere/at/all", 1);
     assert_int_equal(enc_data_create(&set_context, 3, 1, 2, list, 2, list, &data), BTF_ERROR_IO);
-    assert_non_null(strstr(set_messages, "/nowhere/at/all"));
+    assert_non_null(strstr(all_messages, "/nowhere/at/all"));
     if (kept) {
         setenv("TMPDIR", kept, 1);
     } else {
@@ -158,19 +146,18 @@ static void write_archive(const char *path, bool zip) {
     assert_int_equal(archive_write_free(archive), ARCHIVE_OK);
 }
 
-static void test_archives(void **state) {
-    (void)state;
+SET_TEST(test_archives) {
     const enc_read_options options = {0};
     set_write(UBO);
     for (int zip = 0; zip < 2; zip++) {
         char path[PATH];
-        snprintf(path, sizeof path, "%s/set.%s", set_folder, zip ? "zip" : "tar.gz");
+        snprintf(path, sizeof path, "%s/set.%s", temporary_folder, zip ? "zip" : "tar.gz");
         write_archive(path, zip);
         for (size_t memory = 0; memory < 6000; memory += 2500) {
             enc_data *data = NULL;
             set_context.memory = memory;
             if (enc_read(&set_context, path, &options, &data) != BTF_OK) {
-                fail_msg("%s", set_messages);
+                fail_msg("%s", all_messages);
             }
             assert_true((data->samples == NULL) == (memory > 0));
             set_expect(data, 1e-7);
@@ -181,7 +168,7 @@ static void test_archives(void **state) {
         void *bytes = read_whole_file(path, &size);
         for (size_t n = 0; n < size; n += 97) {
             enc_data *data = NULL;
-            set_messages[0] = '\0';
+            all_messages[0] = '\0';
             write_whole_file(path, bytes, n);
             const btf_result result = enc_read(&set_context, path, &options, &data);
             if (result == BTF_OK) {
@@ -191,7 +178,7 @@ static void test_archives(void **state) {
                 continue;
             }
             assert_int_equal(result, BTF_ERROR_BAD_FILE);
-            assert_non_null(strstr(set_messages, zip ? "set.zip" : "set.tar.gz"));
+            assert_non_null(strstr(all_messages, zip ? "set.zip" : "set.tar.gz"));
         }
         free(bytes);
         print_message("%s: %zu of %zu truncations left every image whole\n", path, whole, (size + 96) / 97);
@@ -218,8 +205,7 @@ static const char *shared_file(const char *name) {
     return NULL;
 }
 
-static void test_bricks(void **state) {
-    (void)state;
+SET_TEST(test_bricks) {
     const char *path = shared_file("BRICKS64.zip");
     if (!path) {
         skip();
@@ -253,8 +239,7 @@ static void test_bricks(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_wallpaper(void **state) {
-    (void)state;
+SET_TEST(test_wallpaper) {
     const char *path = shared_file("UBO_WALLPAPER256_top.zip");
     if (!path) {
         skip();
@@ -268,11 +253,4 @@ static void test_wallpaper(void **state) {
     enc_data_destroy(&data);
 }
 
-int main(void) {
-#define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, set_make_folder, set_remove_folder)
-    const struct CMUnitTest tests[] = {
-        IN_FOLDER(test_scratch_file), IN_FOLDER(test_data),      IN_FOLDER(test_archives),
-        IN_FOLDER(test_bricks),       IN_FOLDER(test_wallpaper),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

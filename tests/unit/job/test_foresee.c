@@ -2,21 +2,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/factor/factor.h"
 #include "encoder/job/foresee.h"
 #include "tests/sample/directions.h"
 #include "tests/support/random_material.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
+#include "tests/support/test.h"
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
@@ -69,8 +59,7 @@ static double db(double x) {
 /* At most 1.5 dB more than an encode measures, for spectra steep and flat, and at most 2.5 dB less: an encode
  * chooses a plan of so few units by trial (choose_plan.h), which gains up to 1 dB here. The same bits for any
  * number of threads. */
-static void test_the_error_is_foreseen(void **state) {
-    (void)state;
+TEST(test_the_error_is_foreseen) {
     static const double powers[] = {1, 2};
     static const uint64_t units[] = {1, 3};
     for (size_t p = 0; p < 2; p++) {
@@ -98,8 +87,7 @@ static void test_the_error_is_foreseen(void **state) {
 }
 
 /* A quality that fewer bytes reach is what will be left. */
-static void test_a_quality_is_what_is_left(void **state) {
-    (void)state;
+TEST(test_a_quality_is_what_is_left) {
     enc_data *data = planted(2, 0.02);
     const uint64_t unit = enc_factor_least_budget(SIDE, SIDE, data->n_views, data->n_lights);
     enc_factors_settings settings = {.budget = 3 * unit};
@@ -115,8 +103,7 @@ static void test_a_quality_is_what_is_left(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_black_data_have_no_error(void **state) {
-    (void)state;
+TEST(test_black_data_have_no_error) {
     const enc_direction top = enc_direction_from_angles(0, 0);
     const enc_factors_settings settings = {.budget = 10000};
     enc_data *data = NULL;
@@ -127,11 +114,4 @@ static void test_black_data_have_no_error(void **state) {
     enc_data_destroy(&data);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_error_is_foreseen),
-        cmocka_unit_test(test_a_quality_is_what_is_left),
-        cmocka_unit_test(test_black_data_have_no_error),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

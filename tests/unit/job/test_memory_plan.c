@@ -4,22 +4,8 @@
  */
 #include "encoder/data/data.h"
 #include "encoder/job/memory.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-static char message[512];
-
-static void keep_message(void *user, btf_log_level level, const char *text) {
-    (void)user;
-    if (level == BTF_LOG_ERROR) {
-        snprintf(message, sizeof message, "%s", text);
-    }
-}
+#include "tests/support/messages.h"
+#include "tests/support/test.h"
 
 static btf_result create(size_t memory, enc_least_memory least) {
     const enc_context context = {
@@ -31,27 +17,22 @@ static btf_result create(size_t memory, enc_least_memory least) {
     return result;
 }
 
-static void test_refused_below_the_least(void **state) {
-    (void)state;
+TEST(test_refused_below_the_least) {
     for (enc_method method = ENC_METHOD_JOINT; (int)method < ENC_METHODS; method++) {
         const enc_least_memory by_method = enc_memory_least(method);
         const size_t least = (size_t)by_method(20, 10, 1, 1, 2);
-        char number[32];
         assert_true(least > 200 * 12);
         assert_int_equal(create(least, by_method), BTF_OK);
         assert_int_equal(create(least - 1, by_method), BTF_ERROR_USAGE);
-        snprintf(number, sizeof number, "option memory: %zu ", least - 1);
-        assert_non_null(strstr(message, number));
-        snprintf(number, sizeof number, "%zuK", (least + 999) / 1000);
-        assert_non_null(strstr(message, number));
+        assert_non_null(strstr(last_message, told("option memory: %zu ", least - 1)));
+        assert_non_null(strstr(last_message, told("%zuK", (least + 999) / 1000)));
     }
     assert_int_equal(create(1, NULL), BTF_OK);
     assert_int_equal(create(0, enc_memory_least_joint), BTF_OK);
 }
 
 /* Data sets that must fit: UBO2003 in 2 GB, UBO2014 in 4 GB; and no overflow at the largest. */
-static void test_large_data(void **state) {
-    (void)state;
+TEST(test_large_data) {
     for (enc_method method = ENC_METHOD_JOINT; (int)method < ENC_METHODS; method++) {
         const enc_least_memory least = enc_memory_least(method);
         const uint64_t ubo2003 = least(256, 256, 81, 81, 2);
@@ -69,8 +50,7 @@ static void test_large_data(void **state) {
     }
 }
 
-static void test_threads(void **state) {
-    (void)state;
+TEST(test_threads) {
     enc_context context = {.threads = 8, .memory = 1000};
     assert_int_equal(enc_memory_threads(&context, 1), 8);
     assert_int_equal(enc_memory_threads(&context, 100), 5);
@@ -80,11 +60,4 @@ static void test_threads(void **state) {
     assert_int_equal(enc_memory_threads(&context, UINT64_MAX), 8);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_refused_below_the_least),
-        cmocka_unit_test(test_large_data),
-        cmocka_unit_test(test_threads),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

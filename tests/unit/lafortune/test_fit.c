@@ -3,24 +3,16 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/lafortune/ceres_bridge.h"
 #include "encoder/lafortune/texel_fit.h"
 #include "encoder/lafortune/gram.h"
 #include "encoder/lafortune/normal_equations.h"
 #include "encoder/math/simd.h"
 #include "tests/support/fit_data.h"
+#include "tests/support/test.h"
 
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include <openbtf/reference.h>
 
 enum { PADDED = (PAIRS + 255) / 256 * 256 };
 
@@ -110,53 +102,8 @@ static const float three_rgb[24] = {0.3f,  0.2f, 0.1f, 0.4f, 0.4f, 0.5f,  0.1f, 
                                     0.05f, 0.2f, 0.1f, 0.1f, -1,   -1,    1,    20,
                                     1,     0,    1,    3,    0,    -0.8f, 1,    5};
 
-static float float_of(uint32_t bits) {
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
-/* pow(b, n) as FORMAT.md section 8 writes it, one number at a time. */
-static float format_pow(float b, float n) {
-    static const uint32_t l[8] = {0x3FB8AA39, 0xBF38AAD4, 0x3EF63D91, 0xBEB85F87,
-                                  0x3E92CDF0, 0xBE7FEC0F, 0x3E726D64, 0xBE157E27};
-    static const uint32_t e[6] = {0x3F317218, 0x3E75FDF0, 0x3D63576E, 0x3C1D94D9, 0x3AAFA1B1, 0x392245AA};
-    if (b < 0x1p-24f) {
-        return 0;
-    }
-    uint32_t bits;
-    memcpy(&bits, &b, sizeof bits);
-    const int32_t i = (int32_t)(bits - 0x3F3504F3u);
-    const float f = float_of((uint32_t)(i & 0x7FFFFF) + 0x3F3504F3u) - 1.0f;
-    volatile float p = float_of(l[7]);
-    for (int k = 6; k >= 0; k--) {
-        p = p * f;
-        p = p + float_of(l[k]);
-    }
-    p = f * p;
-    volatile float t = (float)(i >> 23) + p;
-    t = n * t;
-    if (t < -60) {
-        return 0;
-    }
-    t = t > 40 ? 40 : t;
-    volatile float half = t + 0.5f;
-    const float whole = floorf(half);
-    volatile float g = t - whole;
-    p = float_of(e[5]);
-    for (int k = 4; k >= 0; k--) {
-        p = p * g;
-        p = p + float_of(e[k]);
-    }
-    p = g * p;
-    p = p + 1.0f;
-    const float r = p;
-    memcpy(&bits, &r, sizeof bits);
-    return float_of(bits + ((uint32_t)(int32_t)whole << 23));
-}
-
-static void test_pow_bits(void **state) {
-    (void)state;
+/* As FORMAT.md section 8 writes it, which the reference decoder does one number at a time. */
+TEST(test_pow_bits) {
     fit_random_state = 3;
     for (int round = 0; round < 60000; round++) {
         float base[ENC_LANES], power[ENC_LANES];
@@ -170,14 +117,13 @@ static void test_pow_bits(void **state) {
         enc_v16_pow(&b, n, &result);
         memcpy(power, &result, sizeof power);
         for (int i = 0; i < ENC_LANES; i++) {
-            const float want = format_pow(base[i], n);
+            const float want = btf_ref_pow(base[i], n);
             assert_memory_equal(&power[i], &want, sizeof want);
         }
     }
 }
 
-static void test_evaluate(void **state) {
-    (void)state;
+TEST(test_evaluate) {
     enc_direction directions[DIRECTIONS];
     fit_directions(directions);
     float light[3][DIRECTIONS], out[3][3 * DIRECTIONS];
@@ -226,8 +172,7 @@ static double product_at(const pairs *p, size_t i, const float *shape) {
 }
 
 /* Every entry against double sums of columns whose derivatives come from central differences of pow. */
-static void test_gram(void **state) {
-    (void)state;
+TEST(test_gram) {
     pairs *p = make_pairs();
     fill_targets(p, three_lobes, 3, false);
     const enc_gram_samples samples = {
@@ -301,8 +246,7 @@ static void test_gram(void **state) {
 }
 
 /* J^T f of the projected problem is half the gradient of the cost: against central differences of it. */
-static void test_normal_equations(void **state) {
-    (void)state;
+TEST(test_normal_equations) {
     pairs *p = make_pairs();
     for (int rgb = 0; rgb < 2; rgb++) {
         fill_targets(p, rgb ? three_rgb : three_lobes, 3, rgb != 0);
@@ -357,8 +301,7 @@ static double psnr(double cost) {
     return -10 * log10(cost / (3.0 * PAIRS) + 1e-30);
 }
 
-static void test_recovers_lobes(void **state) {
-    (void)state;
+TEST(test_recovers_lobes) {
     static const float one[8] = {0.2f, 0.5f, 1, 0.4f, -0.8f, -0.8f, 0.9f, 30};
     static const float two[12] = {1, 0.5f, 0.3f, 0.2f, -0.7f, -0.7f, 0.7f, 12, 0.5f, 0.4f, 0.6f, 2};
     static const float *const known[3] = {one, two, three_lobes};
@@ -384,8 +327,7 @@ static void test_recovers_lobes(void **state) {
 }
 
 /* Not more than 2 % above what Ceres finds with automatic derivatives and all the time it wants. */
-static void test_against_ceres(void **state) {
-    (void)state;
+TEST(test_against_ceres) {
     pairs *p = make_pairs();
     fill_targets(p, three_lobes, 3, false);
     fit_random_state = 11;
@@ -417,8 +359,7 @@ static void test_against_ceres(void **state) {
     free(p);
 }
 
-static void test_lambertian(void **state) {
-    (void)state;
+TEST(test_lambertian) {
     static const float albedo[3] = {0.9f, 0.3f, 0.05f};
     pairs *p = make_pairs();
     for (int c = 0; c < 3; c++) {
@@ -438,8 +379,7 @@ static void test_lambertian(void **state) {
     free(p);
 }
 
-static void test_hopeless_data(void **state) {
-    (void)state;
+TEST(test_hopeless_data) {
     static const float none[31];
     pairs *p = make_pairs();
     float out[31];
@@ -483,8 +423,7 @@ static void test_hopeless_data(void **state) {
     free(p);
 }
 
-static void test_few_samples(void **state) {
-    (void)state;
+TEST(test_few_samples) {
     pairs *p = make_pairs();
     fill_targets(p, three_lobes, 3, false);
     for (size_t n = 1; n < 12; n++) {
@@ -505,8 +444,7 @@ static void test_few_samples(void **state) {
 }
 
 /* Two lobes that start equal, on data of one: the Gram matrix is singular all the way. */
-static void test_rank_deficient(void **state) {
-    (void)state;
+TEST(test_rank_deficient) {
     static const float one[8] = {1, 1, 1, 0.2f, -0.7f, -0.7f, 0.7f, 6};
     static const float start[12] = {1, 1, 1, 0.5f, -0.5f, -0.5f, 0.5f, 3, -0.5f, -0.5f, 0.5f, 3};
     static const float start_rgb[17] = {0.5f, 0.5f, 0.5f, 0.1f, 0.1f, 0.1f, 0.1f, 0.1f, 0.1f,
@@ -532,8 +470,7 @@ static void test_rank_deficient(void **state) {
 }
 
 /* From any start, the end is at least as good; weights count as repeated samples. */
-static void test_start_and_weights(void **state) {
-    (void)state;
+TEST(test_start_and_weights) {
     pairs *p = make_pairs(), *twice = make_pairs();
     float *weight = malloc(PAIRS * sizeof *weight);
     assert_non_null(weight);
@@ -619,8 +556,7 @@ static void test_start_and_weights(void **state) {
 }
 
 /* A lobe may not tower between or beyond its samples: one bright sample at the edge of the grid. */
-static void test_overshoot(void **state) {
-    (void)state;
+TEST(test_overshoot) {
     pairs *p = make_pairs();
     for (int rgb = 0; rgb < 2; rgb++) {
         for (size_t i = 0; i < PAIRS; i++) {
@@ -648,20 +584,4 @@ static void test_overshoot(void **state) {
     free(p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pow_bits),
-        cmocka_unit_test(test_evaluate),
-        cmocka_unit_test(test_gram),
-        cmocka_unit_test(test_normal_equations),
-        cmocka_unit_test(test_recovers_lobes),
-        cmocka_unit_test(test_against_ceres),
-        cmocka_unit_test(test_lambertian),
-        cmocka_unit_test(test_hopeless_data),
-        cmocka_unit_test(test_few_samples),
-        cmocka_unit_test(test_rank_deficient),
-        cmocka_unit_test(test_start_and_weights),
-        cmocka_unit_test(test_overshoot),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -3,22 +3,13 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <openbtf/input.h>
 
 #include "tests/support/bonn_files.h"
 #include "tests/support/image_set.h"
+#include "tests/support/test.h"
 
 #include <omp.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 static btf_log set_log(void) {
@@ -79,14 +70,12 @@ static void compare(const char *path, const btf_input_options *options, const en
     assert_null(input);
 }
 
-static void test_a_folder(void **state) {
-    (void)state;
+SET_TEST(test_a_folder) {
     set_write(UBO);
-    compare(set_folder, NULL, &(enc_read_options){0}, 1);
+    compare(temporary_folder, NULL, &(enc_read_options){0}, 1);
 }
 
-static void test_options(void **state) {
-    (void)state;
+SET_TEST(test_options) {
     set_write(FOLDERS);
     const btf_input_options one = {.struct_size = sizeof one,
                                    .transfer = BTF_TRANSFER_GAMMA,
@@ -95,7 +84,7 @@ static void test_options(void **state) {
                                    .azimuth_cw = 1,
                                    .azimuth_offset = 20,
                                    .crop = {1, 1, 3, 2}};
-    compare(set_folder, &one,
+    compare(temporary_folder, &one,
             &(enc_read_options){.transfer = ENC_TRANSFER_GAMMA,
                                 .gamma = 1.7,
                                 .flip_v = true,
@@ -108,7 +97,7 @@ static void test_options(void **state) {
                                    .size = {2, 3},
                                    .cosine = BTF_COSINE_MISSING,
                                    .primaries = BTF_PRIMARIES_XYZ};
-    compare(set_folder, &two,
+    compare(temporary_folder, &two,
             &(enc_read_options){.transfer = ENC_TRANSFER_LINEAR,
                                 .size = {2, 3},
                                 .cosine = ENC_COSINE_MISSING,
@@ -124,14 +113,13 @@ static double of_texel(int x, int y, int channel, int view, unsigned k) {
     return k == 0 ? 1.0 : 0.1 * (x - y) + 0.05 * (channel + view);
 }
 
-static void test_a_bonn_file(void **state) {
-    (void)state;
+SET_TEST(test_a_bonn_file) {
     static const double directions[3][2] = {{0, 0}, {40, 30}, {60, 200}};
     char path[PATH];
     bonn_spec spec = bonn_half_dfmf(8, 3, directions, 2);
     spec.direction = of_direction;
     spec.texel = of_texel;
-    snprintf(path, sizeof path, "%s/set.btf", set_folder);
+    snprintf(path, sizeof path, "%s/set.btf", temporary_folder);
     assert_true(bonn_write(path, &spec));
     compare(path, NULL, &(enc_read_options){0}, 0);
     compare(path, &(btf_input_options){.struct_size = sizeof(btf_input_options), .memory = 4096},
@@ -142,25 +130,25 @@ static void expect_refusal(const char *path, const btf_input_options *options, b
                            const char *word) {
     const btf_log log = set_log();
     btf_input *input = (btf_input *)1;
-    set_messages[0] = '\0';
+    all_messages[0] = '\0';
     assert_int_equal(btf_input_open(path, options, &log, &input), expected);
     assert_null(input);
-    if (!strstr(set_messages, word)) {
-        fail_msg("no \"%s\" in: %s", word, set_messages);
+    if (!strstr(all_messages, word)) {
+        fail_msg("no \"%s\" in: %s", word, all_messages);
     }
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+SET_TEST(test_refusals) {
     set_write(UBO);
     const size_t size = sizeof(btf_input_options);
     expect_refusal("/none", NULL, BTF_ERROR_IO, "/none");
-    expect_refusal(set_folder, &(btf_input_options){.struct_size = 8}, BTF_ERROR_USAGE, "");
-    expect_refusal(set_folder, &(btf_input_options){.struct_size = size, .size = {3, 0}}, BTF_ERROR_USAGE,
-                   "3x0");
-    expect_refusal(set_folder, &(btf_input_options){.struct_size = size, .cosine = (btf_cosine)7},
+    expect_refusal(temporary_folder, &(btf_input_options){.struct_size = 8}, BTF_ERROR_USAGE, "");
+    expect_refusal(temporary_folder, &(btf_input_options){.struct_size = size, .size = {3, 0}},
+                   BTF_ERROR_USAGE, "3x0");
+    expect_refusal(temporary_folder, &(btf_input_options){.struct_size = size, .cosine = (btf_cosine)7},
                    BTF_ERROR_USAGE, "cosine 7");
-    expect_refusal(set_folder, &(btf_input_options){.struct_size = size, .transfer = BTF_TRANSFER_GAMMA},
+    expect_refusal(temporary_folder,
+                   &(btf_input_options){.struct_size = size, .transfer = BTF_TRANSFER_GAMMA},
                    BTF_ERROR_USAGE, "gamma");
     assert_int_equal(btf_input_open(NULL, NULL, NULL, NULL), BTF_ERROR_USAGE);
     assert_int_equal(btf_input_get_info(NULL, NULL), BTF_ERROR_USAGE);
@@ -169,54 +157,42 @@ static void test_refusals(void **state) {
     btf_input_close(NULL);
 }
 
-static void test_images_that_are_refused(void **state) {
-    (void)state;
+SET_TEST(test_images_that_are_refused) {
     const btf_log log = set_log();
     btf_input *input;
     float rgb[3 * W * H];
     btf_input_info small = {.struct_size = 8};
     set_write(UBO);
-    assert_int_equal(btf_input_open(set_folder, NULL, &log, &input), BTF_OK);
+    assert_int_equal(btf_input_open(temporary_folder, NULL, &log, &input), BTF_OK);
     assert_int_equal(btf_input_get_info(input, &small), BTF_ERROR_USAGE);
     assert_int_equal(btf_input_image(input, VIEWS, 0, &log, rgb), BTF_ERROR_USAGE);
-    assert_non_null(strstr(set_messages, "view 4"));
+    assert_non_null(strstr(all_messages, "view 4"));
     assert_int_equal(btf_input_image(input, 0, -1, &log, rgb), BTF_ERROR_USAGE);
     assert_int_equal(btf_input_image(input, 0, 0, &log, NULL), BTF_ERROR_USAGE);
     /* An image that goes while the set is open. */
     const char *gone = set_name_of(UBO, 1, 2, "png");
     assert_int_equal(unlink(gone), 0);
-    set_messages[0] = '\0';
+    all_messages[0] = '\0';
     assert_int_equal(btf_input_image(input, 1, 2, &log, rgb), BTF_ERROR_IO);
-    assert_non_null(strstr(set_messages, strrchr(gone, '/') + 1));
+    assert_non_null(strstr(all_messages, strrchr(gone, '/') + 1));
     btf_input_close(&input);
 }
 
-static void test_writing(void **state) {
-    (void)state;
+SET_TEST(test_writing) {
     const btf_log log = set_log();
     const float rgb[6] = {0, 1.5f, 2, 3e9f, 1e-9f, 0.25f};
     char path[PATH];
-    snprintf(path, sizeof path, "%s/none/x.exr", set_folder);
+    snprintf(path, sizeof path, "%s/none/x.exr", temporary_folder);
     assert_int_equal(btf_input_write_image(path, 2, 1, rgb, &log), BTF_ERROR_IO);
     assert_int_equal(btf_input_write_image(path, 0, 1, rgb, &log), BTF_ERROR_USAGE);
-    snprintf(path, sizeof path, "%s/tl000_pl000_tv000_pv000.exr", set_folder);
+    snprintf(path, sizeof path, "%s/tl000_pl000_tv000_pv000.exr", temporary_folder);
     assert_int_equal(btf_input_write_image(path, 2, 1, rgb, &log), BTF_OK);
     btf_input *input;
     float back[6];
-    assert_int_equal(btf_input_open(set_folder, NULL, &log, &input), BTF_OK);
+    assert_int_equal(btf_input_open(temporary_folder, NULL, &log, &input), BTF_OK);
     assert_int_equal(btf_input_image(input, 0, 0, &log, back), BTF_OK);
     assert_memory_equal(back, rgb, sizeof rgb);
     btf_input_close(&input);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_a_folder, set_make_folder, set_remove_folder),
-        cmocka_unit_test_setup_teardown(test_options, set_make_folder, set_remove_folder),
-        cmocka_unit_test_setup_teardown(test_a_bonn_file, set_make_folder, set_remove_folder),
-        cmocka_unit_test_setup_teardown(test_refusals, set_make_folder, set_remove_folder),
-        cmocka_unit_test_setup_teardown(test_images_that_are_refused, set_make_folder, set_remove_folder),
-        cmocka_unit_test_setup_teardown(test_writing, set_make_folder, set_remove_folder),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

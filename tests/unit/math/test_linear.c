@@ -5,14 +5,7 @@
 #include "encoder/math/gemm.h"
 #include "encoder/math/linear.h"
 #include "encoder/math/symmetric.h"
-
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "tests/support/test.h"
 
 static uint64_t state = 7;
 
@@ -42,8 +35,7 @@ static void positive_definite(double *a) {
     }
 }
 
-static void test_solve(void **unused) {
-    (void)unused;
+TEST(test_solve) {
     static double a[N * N], r[N * N], x[N * 3], y[N * 3], single[N];
     positive_definite(a);
     memcpy(r, a, sizeof r);
@@ -81,8 +73,7 @@ static void test_solve(void **unused) {
     assert_false(enc_cholesky(N, r));
 }
 
-static void test_orthonormal_rows(void **unused) {
-    (void)unused;
+TEST(test_orthonormal_rows) {
     enum { K = 9, ROW = 50 };
     static float v[K * ROW], basis[K * ROW], lower[K * K];
     for (int i = 0; i < K * ROW; i++) {
@@ -113,8 +104,7 @@ static void test_orthonormal_rows(void **unused) {
     }
 }
 
-static void test_eigen(void **unused) {
-    (void)unused;
+TEST(test_eigen) {
     static double a[N * N], work[N * N], values[N], vectors[N * N];
     positive_definite(a);
     memcpy(work, a, sizeof work);
@@ -132,8 +122,7 @@ static void test_eigen(void **unused) {
 }
 
 /* Of all sizes, also with eigenvalues of one value and of none: a v = x v, orthonormal, in falling order. */
-static void test_eigen_symmetric(void **unused) {
-    (void)unused;
+TEST(test_eigen_symmetric) {
     enum { MOST = 70 };
     static double a[MOST * MOST], v[MOST * MOST], values[MOST];
     for (int n = 1; n <= MOST; n += 23) {
@@ -168,8 +157,7 @@ static void test_eigen_symmetric(void **unused) {
     assert_true(!enc_eigen_symmetric(5, a, values));
 }
 
-static void test_gram_rows(void **unused) {
-    (void)unused;
+TEST(test_gram_rows) {
     enum { MOST = 11, LENGTH = 2503 };
     static float x[MOST * LENGTH];
     static double one[MOST * MOST], four[MOST * MOST];
@@ -193,8 +181,7 @@ static void test_gram_rows(void **unused) {
 }
 
 /* The product of packed operands, in both packings and for sizes off the tile, against plain sums. */
-static void test_product(void **unused) {
-    (void)unused;
+TEST(test_product) {
     const size_t sizes[][3] = {{1, 1, 1}, {12, 32, 8}, {13, 33, 5}, {29, 70, 243}, {5, 100, 1}};
     for (size_t t = 0; t < sizeof sizes / sizeof *sizes; t++) {
         const size_t m = sizes[t][0], n = sizes[t][1], k = sizes[t][2];
@@ -230,11 +217,4 @@ static void test_product(void **unused) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_solve),     cmocka_unit_test(test_orthonormal_rows),
-        cmocka_unit_test(test_eigen),     cmocka_unit_test(test_eigen_symmetric),
-        cmocka_unit_test(test_gram_rows), cmocka_unit_test(test_product),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -12,15 +12,7 @@
 #include "encoder/report/report.h"
 #include "encoder/model/unpack.h"
 #include "tests/sample/sample.h"
-
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "tests/support/test.h"
 
 static const enc_context one_thread = {.threads = 1};
 static const enc_context two_threads = {.threads = 2};
@@ -69,10 +61,9 @@ static double mean(const enc_data *data) {
     return sum / (double)n;
 }
 
-static void test_filter(void **unused) {
+TEST(test_filter) {
     static const int sizes[][4] = {{7, 5, 3, 2}, {8, 6, 4, 3}, {5, 9, 2, 1},
                                    {9, 9, 1, 1}, {4, 3, 4, 3}, {1, 7, 1, 3}};
-    (void)unused;
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         const int w = sizes[i][2], h = sizes[i][3];
         enc_data *from = noise(sizes[i][0], sizes[i][1]), *to = NULL;
@@ -93,8 +84,7 @@ static void test_filter(void **unused) {
 }
 
 /* A scratch file holds what memory would. */
-static void test_filter_scratch(void **unused) {
-    (void)unused;
+TEST(test_filter_scratch) {
     enc_data *from = noise(7, 5), *to = NULL;
     const enc_context little = {.threads = 2, .memory = 64};
     float texel[STRIDE];
@@ -132,8 +122,7 @@ static btf_result visit_level(void *user, int level, const enc_data *data) {
     return BTF_OK;
 }
 
-static void test_each(void **unused) {
-    (void)unused;
+TEST(test_each) {
     assert_int_equal(enc_level_count(64, 64), 7);
     assert_int_equal(enc_level_count(5, 3), 3);
     assert_int_equal(enc_level_count(1, 1), 1);
@@ -314,14 +303,13 @@ static void fit_joint(const enc_data *data, int count, const enc_context *contex
     assert_int_equal(levels->count, count);
 }
 
-static void test_joint(void **unused) {
+TEST(test_joint) {
     static const struct {
         const char *name;
         relief_kind relief;
     } kinds[] = {{"bricks", RELIEF_BRICKS}, {"weave", RELIEF_WEAVE}};
     const bool light = getenv("BTF_TEST_LIGHT") != NULL;
     const int count = light ? 1 : 2;
-    (void)unused;
     for (int i = 0; i < count; i++) {
         enc_data *data = sample(kinds[i].relief, light ? 12 : 24);
         enc_solution base;
@@ -365,9 +353,8 @@ static void fill_level(enc_solution *s) {
 }
 
 /* No encoder writes such files any more; what they hold comes back. */
-static void test_version_1(void **unused) {
+TEST(test_version_1) {
     enum { COMPONENTS = 8, SIZE = 12 };
-    (void)unused;
     enc_data *data = sample(RELIEF_BRICKS, SIZE);
     const size_t directions = (size_t)data->n_views * (size_t)data->n_lights * 3 * COMPONENTS;
     enc_levels levels = {.count = 3, .level = calloc(2, sizeof *levels.level)};
@@ -400,8 +387,7 @@ static void test_version_1(void **unused) {
     enc_data_destroy(&data);
 }
 
-static void test_threads(void **unused) {
-    (void)unused;
+TEST(test_threads) {
     enc_data *data = sample(RELIEF_BUMPS, 11);
     enc_solution base[2];
     enc_levels levels[2];
@@ -426,8 +412,7 @@ static void test_threads(void **unused) {
     enc_data_destroy(&data);
 }
 
-static void test_paper(void **unused) {
-    (void)unused;
+TEST(test_paper) {
     enc_data *data = sample(RELIEF_BRICKS, 24);
     enc_paper_options options = enc_paper_options_default();
     enc_paper_stats stats;
@@ -459,8 +444,7 @@ static void test_paper(void **unused) {
 }
 
 /* The report's table of levels, and the rows of the file that come from it. */
-static void test_report(void **unused) {
-    (void)unused;
+TEST(test_report) {
     enc_data *data = sample(RELIEF_BRICKS, 8);
     enc_solution base;
     enc_levels levels;
@@ -495,12 +479,4 @@ static void test_report(void **unused) {
     free(report);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_filter),  cmocka_unit_test(test_filter_scratch),
-        cmocka_unit_test(test_each),    cmocka_unit_test(test_joint),
-        cmocka_unit_test(test_threads), cmocka_unit_test(test_version_1),
-        cmocka_unit_test(test_paper),   cmocka_unit_test(test_report),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,23 +4,13 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/data/images.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/model/evaluator.h"
 #include "encoder/model/pack.h"
 #include "encoder/model/unpack.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 enum { WIDTH = 7, HEIGHT = 8, VIEWS = 9, LIGHTS = 11 }; /* more texels than a block of profiles has */
 
@@ -154,8 +144,7 @@ static int u_by_table(int class, uint32_t first, uint32_t second, int i) {
     }
 }
 
-static void test_levels(void **state) {
-    (void)state;
+TEST(test_levels) {
     static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{1}, {1}, {1}, {1}, {1}};
     static const int words[BTF_FACTOR_CLASSES] = {4, 8, 8, 16, 16};
     enc_factor_unit units[BTF_FACTOR_CLASSES];
@@ -182,8 +171,7 @@ static void test_levels(void **state) {
     }
 }
 
-static void test_truncation(void **state) {
-    (void)state;
+TEST(test_truncation) {
     static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {
         {2, 1, 2}, {2, 1, 0}, {3, 2, 3}, {1, 0, 0}, {2, 0, 1}};
     uint32_t out[BTF_FACTOR_CLASSES][3];
@@ -320,8 +308,7 @@ static void check(btf_domain domain, btf_blend blend, points store) {
     enc_data_destroy(&data);
 }
 
-static void test_material(void **state) {
-    (void)state;
+TEST(test_material) {
     random_state = 1;
     check(BTF_DOMAIN_SQRT, BTF_BLEND_RADIANCE, NONE);
     check(BTF_DOMAIN_SQRT, BTF_BLEND_ROOTS, NONE);
@@ -332,11 +319,4 @@ static void test_material(void **state) {
     check(BTF_DOMAIN_SQRT, BTF_BLEND_ROOTS, LISTS);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_levels),
-        cmocka_unit_test(test_truncation),
-        cmocka_unit_test(test_material),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

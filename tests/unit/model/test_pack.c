@@ -3,23 +3,13 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/model/pack.h"
 #include "encoder/data/images.h"
 #include "encoder/model/unpack.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/messages.h"
+#include "tests/support/test.h"
 
 static const enc_context context = {.threads = 2};
 
@@ -213,8 +203,7 @@ static void check(int width, int height, int views, int lights, btf_layout layou
     enc_data_destroy(&data);
 }
 
-static void test_round_trip(void **state) {
-    (void)state;
+TEST(test_round_trip) {
     random_state = 1;
     for (int layout = 0; layout < 2; layout++) {
         for (uint32_t effects = 0; effects < 32; effects += 3) {
@@ -234,23 +223,14 @@ static void test_round_trip(void **state) {
     assert_int_equal(list_checks, 2);
 }
 
-static char last_message[256];
-
-static void keep_message(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    snprintf(last_message, sizeof last_message, "%s", message);
-}
-
 /* Entries stand in the order of the first views that have them; lists that are too short are refused. */
-static void test_lists(void **state) {
-    (void)state;
+TEST(test_lists) {
     enum { VIEWS = 5, TEXELS = 6 };
     static const uint8_t codes[VIEWS] = {3, 9, 3, 0, 9}, indices[3] = {0x10, 0x20, 0x01};
     enc_data *data = make_data(3, 2, VIEWS, 2);
     enc_solution s = random_solution(data, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, BTF_DOMAIN_SQRT, 1, false), back;
     const enc_pack_options options = {.layout = BTF_LAYOUT_TIGHT, .method = "test"};
-    const enc_context loud = {.threads = 1, .log = {.callback = keep_message}};
+    const enc_context loud = {.threads = 1, .log = log_keep};
     btf_material *material = NULL;
     pack_points(&s);
     s.point_entries = 4;
@@ -290,15 +270,13 @@ static void test_lists(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_paper_room(void **state) {
-    (void)state;
+TEST(test_paper_room) {
     uint32_t room = 0;
     assert_int_equal(enc_pack_centre_room(&context, 64, 64, 81, 81, &room), BTF_OK);
     assert_int_equal(room, 1984);
 }
 
-static void test_half(void **state) {
-    (void)state;
+TEST(test_half) {
     assert_int_equal(enc_half_from_float(1.0f), 0x3c00);
     assert_int_equal(enc_half_from_float(-2.5f), 0xc100);
     assert_int_equal(enc_half_from_float(65504.0f), 0x7bff);
@@ -310,12 +288,4 @@ static void test_half(void **state) {
     assert_int_equal(enc_half_from_float(1 + 0x1p-10f + 0x1p-11f), 0x3c02); /* tie to even */
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_lists),
-        cmocka_unit_test(test_paper_room),
-        cmocka_unit_test(test_half),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

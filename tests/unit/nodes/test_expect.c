@@ -2,16 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/nodes/expect.h"
-
-#include <math.h>
+#include "tests/support/test.h"
 
 /* One candidate whose error with samples left out is `error`, and whose move has the cosine `aim` with it. */
 static enc_fit_choice choice_of(double error, double aim, double move, double moves, enc_fit_error at) {
@@ -23,8 +15,7 @@ static enc_fit_choice choice_of(double error, double aim, double move, double mo
     return choice;
 }
 
-static void test_smooth_error_falls_with_the_fourth_power_of_the_gap(void **state) {
-    (void)state;
+TEST(test_smooth_error_falls_with_the_fourth_power_of_the_gap) {
     const enc_fit_error none = {0, 0};
     /* a fit that takes all of the error: a thirtieth is left between the samples, and the fit takes it
      * there */
@@ -40,8 +31,7 @@ static void test_smooth_error_falls_with_the_fourth_power_of_the_gap(void **stat
     assert_true(fabs(c.candidate[1].gain.linear + 1e-4) < 1e-9);
 }
 
-static void test_the_coder_adds_to_both_places(void **state) {
-    (void)state;
+TEST(test_the_coder_adds_to_both_places) {
     const enc_fit_choice c = choice_of(3e-3, 0.5, 1e-3, 5e-4, (enc_fit_error){2e-4, 1e-4});
     const enc_fit_error coder = {8e-4, 4e-4};
     const enc_fit_error at = enc_fit_coded_at(&c.candidate[1], coder),
@@ -52,8 +42,7 @@ static void test_the_coder_adds_to_both_places(void **state) {
 }
 
 /* A measurement tells the coder's part, and never that it had none. */
-static void test_the_coder_is_known_better_afterwards(void **state) {
-    (void)state;
+TEST(test_the_coder_is_known_better_afterwards) {
     enc_fit_choice c = choice_of(3e-3, 0.5, 1e-3, 5e-4, (enc_fit_error){2e-4, 2e-4});
     c.coder = (enc_fit_error){4e-4, 4e-4};
     c.chosen = 1;
@@ -66,8 +55,7 @@ static void test_the_coder_is_known_better_afterwards(void **state) {
     assert_true(fabs(alone.linear - 9e-4) < 1e-9 && fabs(alone.srgb - 1e-4) < 1e-9);
 }
 
-static void test_a_gain_between_is_weighed_against_the_loss_at_the_samples(void **state) {
-    (void)state;
+TEST(test_a_gain_between_is_weighed_against_the_loss_at_the_samples) {
     enc_fit_choice c = choice_of(3e-3, 0.5, 1e-3, 5e-4, (enc_fit_error){0, 0});
     assert_true(c.candidate[1].gain.linear > 0);
     c.coder = (enc_fit_error){1e-3, 1e-3};
@@ -85,12 +73,4 @@ static void test_a_gain_between_is_weighed_against_the_loss_at_the_samples(void 
     assert_true(enc_fit_allowed(&c, &c.candidate[1]));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_smooth_error_falls_with_the_fourth_power_of_the_gap),
-        cmocka_unit_test(test_the_coder_adds_to_both_places),
-        cmocka_unit_test(test_the_coder_is_known_better_afterwards),
-        cmocka_unit_test(test_a_gain_between_is_weighed_against_the_loss_at_the_samples),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -3,24 +3,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/nodes/choose.h"
 #include "encoder/nodes/fit.h"
 #include "encoder/nodes/rows.h"
 #include "tests/sample/directions.h"
-#include "tests/support/light.h"
 #include "tests/support/random_material.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
@@ -63,8 +51,7 @@ static double from_identity(const float *w, int n) {
     return worst;
 }
 
-static void test_weights_keep_constants_and_kappa_keeps_the_samples(void **state) {
-    (void)state;
+TEST(test_weights_keep_constants_and_kappa_keeps_the_samples) {
     static const char *const lists[] = {"ubo", "ubo2014", "small", "tiny", "256", "0:1,30:3", "45:4,60:7:11"};
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) {
         const list l = parse(lists[i]);
@@ -91,8 +78,7 @@ static void test_weights_keep_constants_and_kappa_keeps_the_samples(void **state
 }
 
 /* Lists that no spline goes through stay barycentric, with no message of an error. */
-static void test_lists_without_a_spline_are_refused(void **state) {
-    (void)state;
+TEST(test_lists_without_a_spline_are_refused) {
     enc_node_fit *fit = NULL;
     enc_direction line[9], same[6];
     for (int i = 0; i < 9; i++) {
@@ -150,8 +136,7 @@ static double blend_error(const list *l, const double *nodes, double most) {
 }
 
 /* Within the hull the error falls; from 75 degrees on, where decoders show the hull's edge, it grows by little. */
-static void test_a_smooth_function_comes_out_better_between(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_a_smooth_function_comes_out_better_between) {
     const list l = parse("ubo");
     enc_node_fit *fit = NULL;
     float *w = malloc(81 * 81 * sizeof *w);
@@ -206,8 +191,7 @@ static enc_data *planted(const list *views, const list *lights, int side, double
     return data;
 }
 
-static void test_smoothing_is_chosen_where_it_pays(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_smoothing_is_chosen_where_it_pays) {
     const list views = parse("ubo"), lights = parse("ubo");
     enc_fit_choice choice, again;
     enc_node_tables tables, same;
@@ -241,8 +225,7 @@ static void test_smoothing_is_chosen_where_it_pays(void **state) {
 }
 
 /* A fit adds little at the samples beside the coder's error, or beside one level of 255. */
-static void test_a_fine_coder_bounds_the_smoothing(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_a_fine_coder_bounds_the_smoothing) {
     static const double errors[] = {0, 1e-5, 1e-4, 1e-3, 1e-2};
     const list views = parse("ubo"), lights = parse("ubo");
     enc_data *bent = planted(&views, &lights, 4, 4, 0);
@@ -272,8 +255,7 @@ static void test_a_fine_coder_bounds_the_smoothing(void **state) {
 }
 
 /* A list without a fit leaves the other's; both without leave none. */
-static void test_lists_without_a_fit_leave_the_others(void **state) {
-    (void)state;
+TEST(test_lists_without_a_fit_leave_the_others) {
     static const char *const few[] = {"1", "2", "0:1,40:2"};
     const list ubo = parse("ubo");
     for (size_t i = 0; i < 3; i++) {
@@ -298,8 +280,7 @@ static void test_lists_without_a_fit_leave_the_others(void **state) {
 }
 
 /* As many views as there may be, and lights of another number that reach down to the horizon. */
-static void test_long_and_low_lists_are_judged(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_long_and_low_lists_are_judged) {
     static const double rings[] = {75, 80, 85, 89.9};
     const list views = parse("256");
     enc_direction low[1 + 4 * 8] = {enc_direction_from_angles(0, 0)};
@@ -334,8 +315,7 @@ static void test_long_and_low_lists_are_judged(void **state) {
 }
 
 /* The transform against sums in double, in memory and through a scratch file, by one thread and two. */
-static void test_data_are_transformed(void **state) {
-    (void)state;
+TEST(test_data_are_transformed) {
     const list views = parse("tiny"), lights = parse("small");
     const int n = views.count, m = lights.count;
     enc_data *data = planted(&views, &lights, 3, 4, 0.05), *fitted = NULL, *filed = NULL;
@@ -387,18 +367,4 @@ static void test_data_are_transformed(void **state) {
     free(lights.at);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_weights_keep_constants_and_kappa_keeps_the_samples),
-        cmocka_unit_test(test_lists_without_a_spline_are_refused),
-        cmocka_unit_test(test_lists_without_a_fit_leave_the_others),
-        cmocka_unit_test(test_data_are_transformed),
-    };
-    const struct CMUnitTest numbers[] = {
-        cmocka_unit_test(test_a_smooth_function_comes_out_better_between),
-        cmocka_unit_test(test_smoothing_is_chosen_where_it_pays),
-        cmocka_unit_test(test_a_fine_coder_bounds_the_smoothing),
-        cmocka_unit_test(test_long_and_low_lists_are_judged),
-    };
-    return RUN_TESTS_AND_NUMBERS("nodes_fit", tests, numbers);
-}
+RUN_TESTS(NULL, NULL)

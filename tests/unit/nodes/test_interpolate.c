@@ -3,21 +3,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/between/blend.h"
 #include "tests/sample/directions.h"
+#include "tests/support/messages.h"
 #include "tests/support/random_material.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 static const enc_context context = {.threads = 2};
 
@@ -61,8 +51,7 @@ static double weight_of(const enc_weights *w, uint32_t sample) {
     return sum;
 }
 
-static void test_affine_functions_are_kept(void **state) {
-    (void)state;
+TEST(test_affine_functions_are_kept) {
     enc_direction *list;
     int count;
     random_state r = {7};
@@ -84,8 +73,7 @@ static void test_affine_functions_are_kept(void **state) {
     free(list);
 }
 
-static void test_samples_are_kept(void **state) {
-    (void)state;
+TEST(test_samples_are_kept) {
     enc_direction *list;
     int count;
     assert_int_equal(directions_parse(NULL, "small", &list, &count), BTF_OK);
@@ -105,8 +93,7 @@ static void test_samples_are_kept(void **state) {
 
 /* Four samples on a square and one in its middle: by symmetry the spline that is 1 in the middle and 0 at
  * the corners has a closed form, and it is the weight of the middle. */
-static void test_a_spline_of_five(void **state) {
-    (void)state;
+TEST(test_a_spline_of_five) {
     const double side = 0.4;
     enc_direction list[5];
     const double theta = 2 * atan(side * sqrt(2)) * 180 / 3.14159265358979;
@@ -141,16 +128,8 @@ static void test_a_spline_of_five(void **state) {
     enc_interpolator_destroy(&made);
 }
 
-static char message[512];
-static void keep(void *user, btf_log_level level, const char *text) {
-    (void)user;
-    (void)level;
-    snprintf(message, sizeof message, "%s", text);
-}
-
-static void test_a_line_has_no_spline(void **state) {
-    (void)state;
-    const enc_context telling = {.threads = 1, .log = {keep, NULL}};
+TEST(test_a_line_has_no_spline) {
+    const enc_context telling = {.threads = 1, .log = log_keep};
     enc_direction list[3];
     for (int i = 0; i < 3; i++) {
         list[i] = enc_direction_from_angles(30 * i, 0);
@@ -159,7 +138,7 @@ static void test_a_line_has_no_spline(void **state) {
     assert_int_equal(enc_interpolator_create(&telling, "lights", list, 3, ENC_INTERPOLATE_SPLINE, &made),
                      BTF_ERROR_UNSUPPORTED);
     assert_null(made);
-    assert_non_null(strstr(message, "3 lights"));
+    assert_non_null(strstr(last_message, "3 lights"));
     made = make(list, 1, ENC_INTERPOLATE_SPLINE); /* one sample is everywhere itself */
     enc_weights w;
     enc_interpolator_weights(made, list[2].xyz, &w);
@@ -167,8 +146,7 @@ static void test_a_line_has_no_spline(void **state) {
     enc_interpolator_destroy(&made);
 }
 
-static void test_nearest_angle(void **state) {
-    (void)state;
+TEST(test_nearest_angle) {
     const enc_direction list[2] = {enc_direction_from_angles(0, 0), enc_direction_from_angles(60, 90)};
     const enc_direction near = enc_direction_from_angles(47.5, 90);
     assert_true(fabs(enc_nearest_angle(list, 2, near.xyz) - 12.5) < 1e-4);
@@ -229,8 +207,7 @@ static void blend(const enc_data *data, enc_interpolation kind, const enc_pair *
 }
 
 /* Radiance is blended barycentrically, its square roots by the spline. */
-static void test_blends_of_known_truth(void **state) {
-    (void)state;
+TEST(test_blends_of_known_truth) {
     static enc_pair pairs[PAIRS];
     static float images[PAIRS * FLOATS];
     random_pairs(pairs);
@@ -248,8 +225,7 @@ static void test_blends_of_known_truth(void **state) {
     }
 }
 
-static void test_nearest_takes_one_sample(void **state) {
-    (void)state;
+TEST(test_nearest_takes_one_sample) {
     static enc_pair pairs[PAIRS];
     static float images[PAIRS * FLOATS];
     random_pairs(pairs);
@@ -269,8 +245,7 @@ static void test_nearest_takes_one_sample(void **state) {
 }
 
 /* Samples that lie in a file give the same bits as those in memory. */
-static void test_scratch(void **state) {
-    (void)state;
+TEST(test_scratch) {
     static enc_pair pairs[PAIRS];
     static float images[2][PAIRS * FLOATS];
     random_pairs(pairs);
@@ -283,16 +258,4 @@ static void test_scratch(void **state) {
     assert_memory_equal(images[0], images[1], sizeof images[0]);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_affine_functions_are_kept),
-        cmocka_unit_test(test_samples_are_kept),
-        cmocka_unit_test(test_a_spline_of_five),
-        cmocka_unit_test(test_a_line_has_no_spline),
-        cmocka_unit_test(test_nearest_angle),
-        cmocka_unit_test(test_blends_of_known_truth),
-        cmocka_unit_test(test_nearest_takes_one_sample),
-        cmocka_unit_test(test_scratch),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

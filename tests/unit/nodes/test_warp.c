@@ -3,17 +3,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/relief/seen.h"
 #include "reference/btf_reference_private.h"
-
-#include <stdlib.h>
+#include "tests/support/test.h"
 
 enum { WIDTH = 13, HEIGHT = 9, SURFACES = 200, RAYS = 200 };
 
@@ -23,8 +15,7 @@ static uint32_t below(uint32_t *state, uint32_t n) {
 }
 
 /* Surfaces up to the greatest that a file may hold, of any level; rays from everywhere. */
-static void test_marches_agree(void **state) {
-    (void)state;
+TEST(test_marches_agree) {
     static uint8_t codes[WIDTH * HEIGHT];
     uint32_t random = 1;
     int inside = 0;
@@ -61,9 +52,4 @@ static void test_marches_agree(void **state) {
     assert_true(inside > SURFACES * RAYS / 4);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_marches_agree),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -2,33 +2,19 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/paper/cluster.h"
 #include "encoder/math/kmeans.h"
 #include "encoder/paper/cluster_split.h"
 #include "encoder/math/simd.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 static const enc_context context = {.threads = 2};
 static const enc_context one_thread = {.threads = 1};
 
 static uint32_t random_state;
-static float uniform(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return (float)(random_state >> 8) * 0x1p-24f;
-}
 
-static void test_shares_by_largest_remainder(void **state) {
-    (void)state;
+TEST(test_shares_by_largest_remainder) {
     /* quotas of 10 among 47, 16, 158, 81 and 0: 1.556, 0.530, 5.232, 2.682: the second is raised to 1 */
     const size_t hidden[5] = {47, 16, 158, 81, 0};
     size_t shares[5];
@@ -62,23 +48,25 @@ static void test_shares_by_largest_remainder(void **state) {
     }
 }
 
-static void test_shares_always_add_up(void **state) {
-    (void)state;
+TEST(test_shares_always_add_up) {
     random_state = 3;
     for (int round = 0; round < 3000; round++) {
         size_t hidden[256], distinct[256], shares[256], all = 0, active = 0, points = 0;
-        const int n = 1 + (int)(uniform() * 20) * (round % 2 ? 1 : 12);
+        const int n = 1 + (int)(uniform(&random_state) * 20) * (round % 2 ? 1 : 12);
         for (int v = 0; v < n; v++) {
-            hidden[v] = uniform() < 0.3f ? 0 : 1 + (size_t)(uniform() * uniform() * 5000);
-            distinct[v] = hidden[v] == 0 ? 0 : 1 + (size_t)(uniform() * (float)(hidden[v] - 1));
-            if (uniform() < 0.5f) {
+            hidden[v] = uniform(&random_state) < 0.3f
+                            ? 0
+                            : 1 + (size_t)(uniform(&random_state) * uniform(&random_state) * 5000);
+            distinct[v] =
+                hidden[v] == 0 ? 0 : 1 + (size_t)(uniform(&random_state) * (float)(hidden[v] - 1));
+            if (uniform(&random_state) < 0.5f) {
                 distinct[v] = hidden[v];
             }
             all += distinct[v];
             points += hidden[v];
             active += hidden[v] > 0;
         }
-        const size_t k = (size_t)(uniform() * 1.2f * (float)all);
+        const size_t k = (size_t)(uniform(&random_state) * 1.2f * (float)all);
         enc_cluster_shares(n, hidden, distinct, k, shares);
         size_t sum = 0;
         bool bound = false;
@@ -141,8 +129,7 @@ static float worst_root_error(const enc_data *data, const enc_occlusion *o, cons
     return worst;
 }
 
-static void test_separable_clusters(void **state) {
-    (void)state;
+TEST(test_separable_clusters) {
     for (int variant = 0; variant < 4; variant++) {
         enc_occlusion *o = NULL;
         enc_data *data = make_data(&context, 12, 10, &o);
@@ -151,14 +138,15 @@ static void test_separable_clusters(void **state) {
         for (size_t i = 0; i < 2; i++) {
             for (size_t j = 0; j < 4; j++) {
                 for (size_t k = 0; k < PROFILE; k++) {
-                    prototype[i][j][k] = 0.1f + 3 * uniform();
+                    prototype[i][j][k] = 0.1f + 3 * uniform(&random_state);
                 }
             }
         }
         for (size_t t = 0; t < 120; t++) {
             for (size_t v = 1; v < VIEWS; v++) {
                 for (size_t k = 0; k < PROFILE; k++) {
-                    profile_of(data, t, (int)v)[k] = prototype[v - 1][t % 4][k] + 0.01f * uniform();
+                    profile_of(data, t, (int)v)[k] =
+                        prototype[v - 1][t % 4][k] + 0.01f * uniform(&random_state);
                 }
             }
         }
@@ -191,8 +179,7 @@ static void test_separable_clusters(void **state) {
 }
 
 /* Parts hold every row once, in order, none more than allowed; a set of two kinds falls into its kinds. */
-static void test_split(void **state) {
-    (void)state;
+TEST(test_split) {
     enum { ROWS = 1000, STRIDE = 16, MOST = 130 };
     float rows[ROWS][STRIDE] = {{0}};
     size_t order[ROWS], first[ROWS / MOST * 2 + 3], parts;
@@ -200,7 +187,7 @@ static void test_split(void **state) {
     random_state = 5;
     for (size_t i = 0; i < ROWS; i++) {
         for (size_t d = 0; d < 9; d++) {
-            rows[i][d] = uniform() + (d == 6 && i % 2 ? 4.0f : 0.0f);
+            rows[i][d] = uniform(&random_state) + (d == 6 && i % 2 ? 4.0f : 0.0f);
         }
     }
     assert_int_equal(enc_cluster_split(ROWS, STRIDE, rows[0], MOST, order, first, &parts), BTF_OK);
@@ -219,8 +206,7 @@ static void test_split(void **state) {
 
 /* More hidden points than are clustered together: a view's centres still serve the points they were made
  * for. */
-static void test_parts_of_a_view(void **state) {
-    (void)state;
+TEST(test_parts_of_a_view) {
     enum { TEXELS = 70 * 60 };
     enc_occlusion *o = NULL;
     enc_data *data = make_data(&context, 70, 60, &o);
@@ -228,13 +214,14 @@ static void test_parts_of_a_view(void **state) {
     float prototype[2][2][PROFILE];
     for (size_t i = 0; i < 4; i++) {
         for (size_t k = 0; k < PROFILE; k++) {
-            prototype[i / 2][i % 2][k] = 0.1f + 3 * uniform();
+            prototype[i / 2][i % 2][k] = 0.1f + 3 * uniform(&random_state);
         }
     }
     for (size_t t = 0; t < TEXELS; t++) {
         for (size_t v = 1; v < VIEWS; v++) {
             for (size_t k = 0; k < PROFILE; k++) {
-                profile_of(data, t, (int)v)[k] = prototype[v - 1][t % 2][k] + 0.01f * uniform();
+                profile_of(data, t, (int)v)[k] =
+                    prototype[v - 1][t % 2][k] + 0.01f * uniform(&random_state);
             }
         }
     }
@@ -247,15 +234,14 @@ static void test_parts_of_a_view(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_more_centres_than_points(void **state) {
-    (void)state;
+TEST(test_more_centres_than_points) {
     enc_occlusion *o = NULL;
     enc_data *data = make_data(&context, 10, 1, &o);
     random_state = 4;
     for (size_t t = 0; t < 10; t++) { /* view 1: 3 different points among 10; view 2: all different */
         for (size_t k = 0; k < PROFILE; k++) {
             profile_of(data, t, 1)[k] = (float)((t % 3) * 7 + k) / 40;
-            profile_of(data, t, 2)[k] = uniform();
+            profile_of(data, t, 2)[k] = uniform(&random_state);
         }
     }
     profile_of(data, 0, 1)[0] = -0.0f; /* the same point as +0 */
@@ -280,8 +266,7 @@ static void test_more_centres_than_points(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_nothing_hidden_and_black(void **state) {
-    (void)state;
+TEST(test_nothing_hidden_and_black) {
     enc_occlusion *o = NULL;
     enc_data *data = make_data(&context, 4, 4, &o);
     enc_centres *c = NULL;
@@ -309,8 +294,7 @@ static void test_nothing_hidden_and_black(void **state) {
 }
 
 /* Threads, instruction sets and where the samples lie change nothing; the seed does. */
-static void test_same_result_everywhere(void **state) {
-    (void)state;
+TEST(test_same_result_everywhere) {
     const enc_context tight = {.threads = 2, .memory = 1};
     enc_centres *first = NULL;
     enc_occlusion *first_occlusion = NULL;
@@ -325,7 +309,7 @@ static void test_same_result_everywhere(void **state) {
         float samples[VIEWS * PROFILE];
         for (size_t t = 0; t < 256; t++) {
             for (size_t i = 0; i < VIEWS * PROFILE; i++) {
-                samples[i] = uniform() * uniform();
+                samples[i] = uniform(&random_state) * uniform(&random_state);
             }
             assert_int_equal(enc_data_store_texels(with, data, t, 1, samples), BTF_OK);
         }
@@ -357,8 +341,7 @@ static void test_same_result_everywhere(void **state) {
     enc_occlusion_destroy(&first_occlusion);
 }
 
-static void test_kmeans_with_duplicates(void **state) {
-    (void)state;
+TEST(test_kmeans_with_duplicates) {
     enum { N = 40, STRIDE = 16 };
     static float points[N * STRIDE], centres[4 * STRIDE];
     uint32_t index[N];
@@ -383,17 +366,16 @@ static void test_kmeans_with_duplicates(void **state) {
 }
 
 /* The pruned search for the nearest centre against all of them. */
-static void test_nearest_against_brute_force(void **state) {
-    (void)state;
+TEST(test_nearest_against_brute_force) {
     enum { N = 200, K = 60, STRIDE = 48 };
     static float points[N * STRIDE], centres[K * STRIDE], squares[N];
     static uint32_t index[N];
     random_state = 21;
     for (int i = 0; i < N * STRIDE; i++) {
-        points[i] = uniform() * (float)(1 + i / STRIDE % 5);
+        points[i] = uniform(&random_state) * (float)(1 + i / STRIDE % 5);
     }
     for (int i = 0; i < K * STRIDE; i++) {
-        centres[i] = uniform() * (float)(1 + i / STRIDE % 5);
+        centres[i] = uniform(&random_state) * (float)(1 + i / STRIDE % 5);
     }
     memcpy(centres + 7 * STRIDE, centres + 3 * STRIDE,
            STRIDE * sizeof *centres); /* equals: the lower one */
@@ -422,18 +404,4 @@ static void test_nearest_against_brute_force(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shares_by_largest_remainder),
-        cmocka_unit_test(test_shares_always_add_up),
-        cmocka_unit_test(test_separable_clusters),
-        cmocka_unit_test(test_split),
-        cmocka_unit_test(test_parts_of_a_view),
-        cmocka_unit_test(test_more_centres_than_points),
-        cmocka_unit_test(test_nothing_hidden_and_black),
-        cmocka_unit_test(test_same_result_everywhere),
-        cmocka_unit_test(test_kmeans_with_duplicates),
-        cmocka_unit_test(test_nearest_against_brute_force),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -3,20 +3,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/paper/fit.h"
 #include "encoder/math/simd.h"
 #include "tests/support/fit_data.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 static const enc_context context = {.threads = 2};
 
@@ -56,8 +46,7 @@ static enc_data *make_data(const enc_context *with, int texels, bool *out_shadow
 }
 
 /* Rejection finds the shadows and gives back the unshadowed material. */
-static void test_rejection(void **state) {
-    (void)state;
+TEST(test_rejection) {
     enum { TEXELS = 8 };
     bool shadow[TEXELS * DIRECTIONS];
     enc_data *data = make_data(&context, TEXELS, shadow);
@@ -89,8 +78,7 @@ static void test_rejection(void **state) {
 }
 
 /* When nearly everything looks shadowed, everything is kept. */
-static void test_all_rejected(void **state) {
-    (void)state;
+TEST(test_all_rejected) {
     enc_data *data = make_data(&context, 2, NULL);
     for (size_t i = 0; i < 2 * enc_data_texel_stride(data); i++) {
         data->samples[i] = i % 50 == 0 ? 20.0f : 1e-3f * fit_random();
@@ -116,8 +104,7 @@ static void test_all_rejected(void **state) {
 
 /* The same bits for one thread and two, from memory and from a scratch file, from every instruction set;
  * and the square-root domain models the root. */
-static void test_same_bits(void **state) {
-    (void)state;
+TEST(test_same_bits) {
     enum { TEXELS = 20 };
     const enc_context small = {.threads = 1, .memory = 1 << 20};
     enc_data *data = make_data(&context, TEXELS, NULL), *scratch = make_data(&small, TEXELS, NULL);
@@ -151,8 +138,7 @@ static void test_same_bits(void **state) {
     enc_data_destroy(&scratch);
 }
 
-static void test_options(void **state) {
-    (void)state;
+TEST(test_options) {
     enc_data *data = make_data(&context, 1, NULL);
     for (int i = 0; i < 7; i++) {
         enc_fit_options options = enc_fit_options_default();
@@ -171,12 +157,4 @@ static void test_options(void **state) {
     enc_data_destroy(&data);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rejection),
-        cmocka_unit_test(test_all_rejected),
-        cmocka_unit_test(test_same_bits),
-        cmocka_unit_test(test_options),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

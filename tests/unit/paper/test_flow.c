@@ -2,21 +2,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/paper/flow.h"
 #include "encoder/paper/flow_prior.h"
 #include "tests/sample/sample.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 static const enc_context context = {.threads = 2};
 static const enc_context one_thread = {.threads = 1};
@@ -80,8 +69,7 @@ static int count_bytes(const uint8_t *bytes, size_t n) {
 static float top[TEXELS], target[TEXELS], flow[2 * TEXELS];
 static uint8_t hidden[TEXELS];
 
-static void test_pair_recovers_translation(void **state) {
-    (void)state;
+TEST(test_pair_recovers_translation) {
     static const int shifts[][2] = {{0, 0}, {3, -2}, {-4, 1}, {0, 5}};
     for (size_t i = 0; i < sizeof shifts / sizeof *shifts; i++) {
         texture(SIDE, SIDE, 7, top);
@@ -93,8 +81,7 @@ static void test_pair_recovers_translation(void **state) {
     }
 }
 
-static void test_pair_ignores_brightness(void **state) {
-    (void)state;
+TEST(test_pair_ignores_brightness) {
     texture(SIDE, SIDE, 8, top);
     translate(SIDE, SIDE, top, 2, 2, 3.5f, target);
     assert_int_equal(enc_flow_pair(&context, SIDE, SIDE, target, top, NULL, flow, hidden), BTF_OK);
@@ -102,8 +89,7 @@ static void test_pair_ignores_brightness(void **state) {
     assert_true(count_bytes(hidden, TEXELS) <= TEXELS / 100);
 }
 
-static void test_pair_hides_brightness_jump(void **state) {
-    (void)state;
+TEST(test_pair_hides_brightness_jump) {
     texture(SIDE, SIDE, 9, top);
     memcpy(target, top, sizeof target);
     for (int r = 10; r < 22; r++) {
@@ -136,8 +122,7 @@ static size_t lying(int how, int width, int height, int t) {
 
 /* Layers that move differently, under a brightness of their own: nothing that the flow finds everywhere,
  * and what it takes for it is to be the same however the pair lies. */
-static void test_pair_lies_anyhow(void **state) {
-    (void)state;
+TEST(test_pair_lies_anyhow) {
     enum { WIDE = 32, HIGH = 24, N = WIDE * HIGH };
     static float image[2][N], laid[2][N], found[2 * N], laid_flow[2 * N];
     static uint8_t seen[N], laid_hidden[N];
@@ -174,8 +159,7 @@ static void test_pair_lies_anyhow(void **state) {
     }
 }
 
-static void test_pair_without_texture(void **state) {
-    (void)state;
+TEST(test_pair_without_texture) {
     for (int black = 0; black < 2; black++) {
         for (int t = 0; t < TEXELS; t++) {
             top[t] = 0.5f;
@@ -189,8 +173,7 @@ static void test_pair_without_texture(void **state) {
     }
 }
 
-static void test_pair_of_any_size(void **state) {
-    (void)state;
+TEST(test_pair_of_any_size) {
     static const int sizes[][2] = {{1, 1}, {3, 5}, {1, 17}, {40, 2}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         const int width = sizes[i][0], height = sizes[i][1];
@@ -248,8 +231,7 @@ static int count_shift(const enc_occlusion *o, int view, int columns, int rows) 
 /* Points below the plane shift against the azimuth; rows run down, y up. */
 static const int along[VIEWS][2] = {{0, 0}, {-3, 0}, {0, 2}, {2, 2}};
 
-static void test_vote_recovers_shifts(void **state) {
-    (void)state;
+TEST(test_vote_recovers_shifts) {
     /* the last one off the line of its view by a texel and a half: the flow finds what the estimate cannot */
     static const int astray[VIEWS][2] = {{0, 0}, {-2, 1}, {1, 2}, {3, 1}};
     for (int plain = 0; plain < 2; plain++) {
@@ -273,8 +255,7 @@ static void test_vote_recovers_shifts(void **state) {
     }
 }
 
-static void test_vote_hides_what_the_top_view_lacks(void **state) {
-    (void)state;
+TEST(test_vote_hides_what_the_top_view_lacks) {
     static const int still[VIEWS][2] = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
     enc_data *data = moved_views(&context, SIDE, SIDE, still);
     for (int r = 20; r < 32; r++) {
@@ -310,8 +291,7 @@ static void test_vote_hides_what_the_top_view_lacks(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_vote_of_a_constant(void **state) {
-    (void)state;
+TEST(test_vote_of_a_constant) {
     static const int still[VIEWS][2] = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
     for (int value = 0; value < 2; value++) {
         enc_data *data = moved_views(&context, 16, 16, still);
@@ -329,8 +309,7 @@ static void test_vote_of_a_constant(void **state) {
     }
 }
 
-static void test_vote_of_any_size_and_thread(void **state) {
-    (void)state;
+TEST(test_vote_of_any_size_and_thread) {
     static const int sizes[][2] = {{1, 1}, {3, 5}, {21, 9}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         const size_t texels = (size_t)(sizes[i][0] * sizes[i][1]);
@@ -352,8 +331,7 @@ static void test_vote_of_any_size_and_thread(void **state) {
 }
 
 /* Two layers: a strip that lies deeper, seen from azimuth 0. */
-static void test_prior_separates_layers(void **state) {
-    (void)state;
+TEST(test_prior_separates_layers) {
     static float images[2][LIGHTS * TEXELS * 3];
     static float forward[2 * TEXELS], backward[2 * TEXELS];
     int chosen[LIGHTS];
@@ -390,8 +368,7 @@ static void test_prior_separates_layers(void **state) {
     enc_flow_planes_clear(&aside);
 }
 
-static void test_error_report(void **state) {
-    (void)state;
+TEST(test_error_report) {
     static const int still[VIEWS][2] = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
     enc_data *data = moved_views(&context, 8, 8, still);
     enc_occlusion *o = NULL;
@@ -426,8 +403,7 @@ static void test_error_report(void **state) {
 
 /* The sample bricks: plain mortar between bricks that hardly move. Goal: 2.0 texels at 30 degrees over the
  * points that moved more than 2 texels. */
-static void test_sample_bricks(void **state) {
-    (void)state;
+TEST(test_sample_bricks) {
     enum { BRICK_VIEWS = 9, BRICK_LIGHTS = 13 };
     enc_direction views[BRICK_VIEWS], lights[BRICK_LIGHTS];
     for (int v = 0; v < BRICK_VIEWS; v++) {
@@ -475,8 +451,7 @@ static void keep_message(void *user, btf_log_level level, const char *message) {
     strncpy(user, message, 199);
 }
 
-static void test_options_are_checked(void **state) {
-    (void)state;
+TEST(test_options_are_checked) {
     char message[200] = "";
     const enc_context telling = {.threads = 1, .log = {keep_message, message}};
     const enc_flow_options wrong[] = {{.hidden_threshold = 1.5f},
@@ -498,8 +473,7 @@ static void test_options_are_checked(void **state) {
     assert_non_null(strstr(message, "padding 3"));
 }
 
-static void test_shift_arithmetic(void **state) {
-    (void)state;
+TEST(test_shift_arithmetic) {
     for (int size = 1; size <= 256; size++) {
         for (int delta = -600; delta <= 600; delta++) {
             const int w = enc_occlusion_wrap(delta, size);
@@ -519,23 +493,4 @@ static void test_shift_arithmetic(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pair_recovers_translation),
-        cmocka_unit_test(test_pair_ignores_brightness),
-        cmocka_unit_test(test_pair_hides_brightness_jump),
-        cmocka_unit_test(test_pair_lies_anyhow),
-        cmocka_unit_test(test_pair_without_texture),
-        cmocka_unit_test(test_pair_of_any_size),
-        cmocka_unit_test(test_vote_recovers_shifts),
-        cmocka_unit_test(test_vote_hides_what_the_top_view_lacks),
-        cmocka_unit_test(test_vote_of_a_constant),
-        cmocka_unit_test(test_vote_of_any_size_and_thread),
-        cmocka_unit_test(test_prior_separates_layers),
-        cmocka_unit_test(test_error_report),
-        cmocka_unit_test(test_sample_bricks),
-        cmocka_unit_test(test_options_are_checked),
-        cmocka_unit_test(test_shift_arithmetic),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

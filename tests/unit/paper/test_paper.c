@@ -3,20 +3,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/paper/paper.h"
 #include "encoder/report/metrics.h"
 #include "encoder/model/decode_samples.h"
 #include "tests/sample/sample.h"
-
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 static const enc_context context = {.threads = 2};
 static bool is_long; /* every light votes, more texels of the flat one */
@@ -72,8 +63,7 @@ static double printed_sign_f1(const enc_data *data, const enc_solution *s, const
     return f1;
 }
 
-static void test_bricks(void **state) {
-    (void)state;
+TEST(test_bricks) {
     const int side = 40;
     const sample_options options = {.context = &context, .width = side, .height = side};
     enc_data *data = NULL;
@@ -123,8 +113,7 @@ static void test_bricks(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_flat(void **state) {
-    (void)state;
+TEST(test_flat) {
     const int flat_side = is_long ? 32 : 16;
     const sample_options options = {
         .context = &context, .relief = RELIEF_FLAT, .width = flat_side, .height = flat_side};
@@ -144,6 +133,5 @@ static void test_flat(void **state) {
 
 int main(int argc, char **argv) {
     is_long = argc > 1 && strcmp(argv[1], "--long") == 0;
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_bricks), cmocka_unit_test(test_flat)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_listed("tests", NULL, NULL);
 }

@@ -3,20 +3,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/paper/diffuse_fallback.h"
 #include "encoder/paper/paper.h"
+#include "tests/support/test.h"
 
-#include <math.h>
 #include <openbtf/material.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { SIDE = 4, TEXELS = SIDE * SIDE, DIRECTIONS = 13, PAIRS = DIRECTIONS * DIRECTIONS };
 
@@ -113,8 +104,7 @@ static void hear(void *user, btf_log_level level, const char *text) {
 }
 
 /* One sample in 97 of 65504 makes the rejection take all dark samples for shadow. */
-static void test_taken(void **state) {
-    (void)state;
+TEST(test_taken) {
     for (int rgb = 0; rgb < 2; rgb++) {
         heard h = {0};
         const enc_context context = {.threads = 1, .log = {hear, &h}};
@@ -140,8 +130,7 @@ static void test_taken(void **state) {
 }
 
 /* Effects that were asked for stay, as maps that say nothing. */
-static void test_effects_asked_for(void **state) {
-    (void)state;
+TEST(test_effects_asked_for) {
     enc_data *data = make_data(&one_thread, 97, 65504);
     enc_paper_options options = options_of(false, false);
     options.effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT;
@@ -164,8 +153,7 @@ static void test_effects_asked_for(void **state) {
 }
 
 /* Lobes that fit stay. */
-static void test_left_alone(void **state) {
-    (void)state;
+TEST(test_left_alone) {
     static const int periods[] = {0, 1999};
     for (int i = 0; i < 2; i++) {
         heard h = {0};
@@ -189,8 +177,7 @@ static void test_left_alone(void **state) {
 
 /* The fit of the plane, to which stray samples were added afterwards. In squared error the diffuse fit,
  * which saw them, is the better one, by little; but fewer than one sample in a thousand decide nothing. */
-static void test_few_strays(void **state) {
-    (void)state;
+TEST(test_few_strays) {
     static const int periods[] = {97, 1999};
     for (int i = 0; i < 2; i++) {
         enc_data *plain = make_data(&one_thread, 0, 0), *data = make_data(&one_thread, periods[i], 1e5);
@@ -209,8 +196,7 @@ static void test_few_strays(void **state) {
 }
 
 /* The same bits by three threads and from a scratch file. */
-static void test_same_bits(void **state) {
-    (void)state;
+TEST(test_same_bits) {
     const enc_context contexts[] = {{.threads = 1}, {.threads = 3}, {.threads = 2, .memory = 4096}};
     enc_solution s[3];
     for (int i = 0; i < 3; i++) {
@@ -230,11 +216,4 @@ static void test_same_bits(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_taken),      cmocka_unit_test(test_effects_asked_for),
-        cmocka_unit_test(test_left_alone), cmocka_unit_test(test_few_strays),
-        cmocka_unit_test(test_same_bits),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -2,30 +2,17 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/paper/norms.h"
 #include "encoder/data/profiles.h"
 #include "encoder/paper/refine.h"
 #include "encoder/math/simd.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 static const enc_context context = {.threads = 2};
 static const enc_context one_thread = {.threads = 1};
 
 static uint32_t random_state;
-static float uniform(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return (float)(random_state >> 8) * 0x1p-24f;
-}
 
 /* A BTF of noise, a model of noise, shadows of noise. */
 typedef struct scene {
@@ -54,9 +41,9 @@ static scene make_scene(const enc_context *with, int width, int height, int n_vi
     const size_t profile = 3 * (size_t)n_lights;
     for (size_t i = 0; i < texels * stride;
          i += profile) { /* one profile in three is too bright to match */
-        const float scale = uniform() < 0.33f ? 2.5f : 1;
+        const float scale = uniform(&random_state) < 0.33f ? 2.5f : 1;
         for (size_t k = 0; k < profile; k++) {
-            samples[i + k] = scale * uniform();
+            samples[i + k] = scale * uniform(&random_state);
         }
     }
     assert_int_equal(enc_data_store_texels(with, s.data, 0, texels, samples), BTF_OK);
@@ -66,20 +53,20 @@ static scene make_scene(const enc_context *with, int width, int height, int n_vi
         float *p = s.sbrdf->values + t * enc_sbrdf_stride(1, false);
         p[0] = 1;
         for (int k = 1; k < 4; k++) {
-            p[k] = 0.25f + 0.75f * uniform();
+            p[k] = 0.25f + 0.75f * uniform(&random_state);
         }
         p[4] = p[5] = -1;
         p[6] = 1;
-        p[7] = 1 + 4 * uniform();
+        p[7] = 1 + 4 * uniform(&random_state);
     }
     for (size_t i = 0; i < texels * (size_t)n_lights; i++) {
-        s.shadow[i] = (uint8_t)(uniform() * 256);
+        s.shadow[i] = (uint8_t)(uniform(&random_state) * 256);
     }
     assert_int_equal(enc_occlusion_create(n_views, texels, &s.occlusion), BTF_OK);
     for (size_t i = 0; i < (size_t)n_views * texels; i++) {
-        s.occlusion->hidden[i] = i >= texels && uniform() < 0.6f;
-        s.occlusion->shift[2 * i] = (int8_t)(uniform() * 5 - 2);
-        s.occlusion->shift[2 * i + 1] = (int8_t)(uniform() * 5 - 2);
+        s.occlusion->hidden[i] = i >= texels && uniform(&random_state) < 0.6f;
+        s.occlusion->shift[2 * i] = (int8_t)(uniform(&random_state) * 5 - 2);
+        s.occlusion->shift[2 * i + 1] = (int8_t)(uniform(&random_state) * 5 - 2);
     }
     return s;
 }
@@ -120,8 +107,7 @@ static double distance(const scene *s, size_t texel, int view, size_t source) {
     return sum;
 }
 
-static void test_against_brute_force(void **state) {
-    (void)state;
+TEST(test_against_brute_force) {
     enum { WIDTH = 9, HEIGHT = 7, TEXELS = WIDTH * HEIGHT, VIEWS = 3, LIGHTS = 21 };
     for (int size = 0; size < 3; size++) { /* whole tile, window 3 x 5, window 4 x 1 */
         static const int windows[3][2] = {{0, 0}, {3, 5}, {4, 1}};
@@ -184,8 +170,7 @@ static void test_against_brute_force(void **state) {
 }
 
 /* Some hidden points hold exactly what the model gives elsewhere. */
-static void test_known_points_are_elevated(void **state) {
-    (void)state;
+TEST(test_known_points_are_elevated) {
     enum { WIDTH = 12, HEIGHT = 10, TEXELS = 120, VIEWS = 2, LIGHTS = 20 };
     scene s = make_scene(&context, WIDTH, HEIGHT, VIEWS, LIGHTS);
     const int view = 1;
@@ -198,8 +183,9 @@ static void test_known_points_are_elevated(void **state) {
         const size_t source = enc_occlusion_source(WIDTH, HEIGHT, t, known ? 4 : 0, known ? -3 : 0);
         for (int l = 0; l < LIGHTS; l++) {
             for (int c = 0; c < 3; c++) {
-                profile[c * LIGHTS + l] =
-                    strange ? 5 : (float)stvs(&s, source, view, l, c) + (known ? 0 : 0.02f * uniform());
+                profile[c * LIGHTS + l] = strange ? 5
+                                                  : (float)stvs(&s, source, view, l, c) +
+                                                        (known ? 0 : 0.02f * uniform(&random_state));
             }
         }
     }
@@ -218,8 +204,7 @@ static void test_known_points_are_elevated(void **state) {
 
 /* Beyond 64x64 texels the default window lies around the voted shift: a source 4 columns and 3 rows off a
  * vote is found, also where the centred window of 64x64 would not reach it. */
-static void test_window_follows_the_vote(void **state) {
-    (void)state;
+TEST(test_window_follows_the_vote) {
     enum { WIDTH = 90, HEIGHT = 80, TEXELS = WIDTH * HEIGHT, LIGHTS = 8 };
     static const int8_t vote[2] = {36, -34};
     scene s = make_scene(&context, WIDTH, HEIGHT, 2, LIGHTS);
@@ -247,8 +232,7 @@ static void test_window_follows_the_vote(void **state) {
     free_scene(&s);
 }
 
-static void test_view_without_known_points(void **state) {
-    (void)state;
+TEST(test_view_without_known_points) {
     scene s = make_scene(&context, 6, 6, 2, 8);
     memset(s.occlusion->hidden + 36, 1, 36);
     float thresholds[2];
@@ -259,8 +243,7 @@ static void test_view_without_known_points(void **state) {
     free_scene(&s);
 }
 
-static void test_ties_prefer_short_shifts(void **state) {
-    (void)state;
+TEST(test_ties_prefer_short_shifts) {
     enum { TEXELS = 64 };
     scene s = make_scene(&context, 8, 8, 2, 8);
     memset(s.sbrdf->values, 0, TEXELS * enc_sbrdf_stride(1, false) * sizeof(float));
@@ -283,8 +266,7 @@ static void test_ties_prefer_short_shifts(void **state) {
     free_scene(&s);
 }
 
-static void test_wide_tiles(void **state) {
-    (void)state;
+TEST(test_wide_tiles) {
     scene s = make_scene(&context, 300, 1, 2, 3);
     memset(s.occlusion->shift, 0, 2 * 2 * 300);
     assert_int_equal(enc_refine(&context, s.data, s.sbrdf, s.shadow, 1 / 255.0f, NULL, s.occlusion, NULL),
@@ -306,8 +288,7 @@ static void test_wide_tiles(void **state) {
 }
 
 /* Threads, instruction sets and where the samples lie change nothing. */
-static void test_same_result_everywhere(void **state) {
-    (void)state;
+TEST(test_same_result_everywhere) {
     const enc_context tight = {.threads = 2, .memory = 1};
     scene first = make_scene(&one_thread, 16, 11, 3, 33);
     assert_int_equal(enc_refine(&one_thread, first.data, first.sbrdf, first.shadow, 1 / 255.0f, NULL,
@@ -327,15 +308,14 @@ static void test_same_result_everywhere(void **state) {
     free_scene(&first);
 }
 
-static void test_norms(void **state) {
-    (void)state;
+TEST(test_norms) {
     enum { LANES = 48 };
     random_state = 5;
     static float a[3 * LANES], b[3 * LANES];
     float base = -1;
     for (int i = 0; i < 3 * LANES; i++) {
-        a[i] = uniform() * 3;
-        b[i] = uniform();
+        a[i] = uniform(&random_state) * 3;
+        b[i] = uniform(&random_state);
     }
     double sum = 0, first = 0;
     for (int i = 0; i < LANES; i++) {
@@ -363,12 +343,4 @@ static void test_norms(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_brute_force),      cmocka_unit_test(test_known_points_are_elevated),
-        cmocka_unit_test(test_window_follows_the_vote),  cmocka_unit_test(test_view_without_known_points),
-        cmocka_unit_test(test_ties_prefer_short_shifts), cmocka_unit_test(test_wide_tiles),
-        cmocka_unit_test(test_same_result_everywhere),   cmocka_unit_test(test_norms),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

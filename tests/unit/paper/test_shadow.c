@@ -3,24 +3,13 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/paper/fit.h"
 #include "encoder/paper/shadow.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 static const enc_context context = {.threads = 2};
 
-static void test_formula(void **state) {
-    (void)state;
+TEST(test_formula) {
     /* Error > 0.3: 1.3 over 1 is on the line, which is not beyond it. */
     assert_false(enc_is_shadowed(1.25f, 1.0f, 0.25f, 2.0f));
     assert_true(enc_is_shadowed(1.2501f, 1.0f, 0.25f, 2.0f));
@@ -44,8 +33,7 @@ static void test_formula(void **state) {
     assert_true(enc_shadow_ratio(NAN, 0.0f, 0.3f, 0.3f) == 1.0f);
 }
 
-static void test_codes(void **state) {
-    (void)state;
+TEST(test_codes) {
     for (int code = 0; code < 256; code++) {
         const float ratio = (float)code / 255.0f;
         assert_int_equal(enc_shadow_code(ratio), code);
@@ -111,8 +99,7 @@ static double f1_of(const uint8_t *code, const bool *mask, bool inverted) {
     return 2 * both / (found + there);
 }
 
-static void test_known_masks(void **state) {
-    (void)state;
+TEST(test_known_masks) {
     static bool mask[LIGHTS * TEXELS];
     static uint8_t code[LIGHTS * TEXELS], again[LIGHTS * TEXELS];
     enc_fit_options fit = enc_fit_options_default();
@@ -165,8 +152,7 @@ static void test_known_masks(void **state) {
     }
 }
 
-static void test_errors(void **state) {
-    (void)state;
+TEST(test_errors) {
     static bool mask[LIGHTS * TEXELS];
     static uint8_t code[LIGHTS * TEXELS];
     enc_data *data = make_data(&context, 0, mask);
@@ -188,12 +174,4 @@ static void test_errors(void **state) {
     enc_data_destroy(&data);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_formula),
-        cmocka_unit_test(test_codes),
-        cmocka_unit_test(test_known_masks),
-        cmocka_unit_test(test_errors),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

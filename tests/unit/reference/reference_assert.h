@@ -6,17 +6,7 @@
 #define OPENBTF_TEST_REFERENCE_ASSERT_H
 
 #include "tests/support/reference_material.h"
-
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "tests/support/test.h"
 
 static inline void assert_bits(float actual, float expected) {
     if (bits_of(actual) != bits_of(expected)) {

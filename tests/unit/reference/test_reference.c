@@ -5,14 +5,14 @@
  */
 #include "reference_assert.h"
 #include "tests/support/reference_material.h"
+#include "tests/support/test.h"
 
 /** Steps of the bit pattern between arguments where all of them would take too long; a prime. */
 enum { STRIDE = 7 };
 
 /* --- section 8 --- */
 
-static void test_log2(void **state) {
-    (void)state;
+TEST(test_log2) {
     double absolute = 0, relative = 0;
     for (uint32_t bits = 0x33800000u; bits < 0x4E800000u; bits += STRIDE) { /* [2^-24, 2^30) */
         double x = (double)float_of(bits), truth = log2(x);
@@ -29,8 +29,7 @@ static void test_log2(void **state) {
     }
 }
 
-static void test_exp2(void **state) {
-    (void)state;
+TEST(test_exp2) {
     double relative = 0;
     for (int negative = 0; negative < 2; ++negative) {
         uint32_t last = negative ? 0x42700000u : 0x42200000u; /* -60, 40 */
@@ -49,8 +48,7 @@ static void test_exp2(void **state) {
     assert_bits(btf_ref_exp2(float_of(1)), 1.0f);
 }
 
-static void test_reciprocal(void **state) {
-    (void)state;
+TEST(test_reciprocal) {
     double relative = 0;
     for (uint32_t bits = 0x3F000000u; bits <= 0x40800000u; ++bits) { /* all of [0.5, 4] */
         double x = (double)float_of(bits);
@@ -63,8 +61,7 @@ static void test_reciprocal(void **state) {
     assert_bits(btf_ref_reciprocal(2.0f), float_of(0x3EFFFFFFu));
 }
 
-static void test_pow(void **state) {
-    (void)state;
+TEST(test_pow) {
     uint32_t random = 5;
     double worst = 0, absolute = 0;
     for (int i = 0; i < 2000000; ++i) {
@@ -102,8 +99,7 @@ static void test_pow(void **state) {
     assert_bits(btf_ref_pow(0.25f, 0.5f), 0.5f);
 }
 
-static void test_half(void **state) {
-    (void)state;
+TEST(test_half) {
     for (uint32_t h = 0; h < 65536; ++h) {
         int sign = h & 0x8000 ? -1 : 1, exponent = (int)(h >> 10 & 31), mantissa = (int)(h & 1023);
         float value = btf_ref_half((uint16_t)h);
@@ -119,8 +115,7 @@ static void test_half(void **state) {
 
 /* --- section 9, texture coordinates; sections 3 and 5 --- */
 
-static void test_coordinate(void **state) {
-    (void)state;
+TEST(test_coordinate) {
     static const uint32_t zero[] = {
         0,           0x80000000u,                           /* 0, -0 */
         1,           0x80000001u, 0x007FFFFFu, 0x807FFFFFu, /* denormal */
@@ -156,8 +151,7 @@ static void test_coordinate(void **state) {
     }
 }
 
-static void test_bilinear(void **state) {
-    (void)state;
+TEST(test_bilinear) {
     static const uint32_t sizes[] = {1, 2, 3, 5, 81, 4096, 16383, 16384};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
         uint32_t size = sizes[i], c0, c1, weight;
@@ -177,8 +171,7 @@ static void test_bilinear(void **state) {
     }
 }
 
-static void test_wrap(void **state) {
-    (void)state;
+TEST(test_wrap) {
     static const uint32_t sizes[] = {1, 2, 3, 64, 127, 128, 129, 16384};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
         for (int shift = -128; shift <= 127; ++shift) {
@@ -231,8 +224,7 @@ static void check_atlas(uint32_t size, uint32_t directions, uint32_t width, uint
     free(used);
 }
 
-static void test_atlas(void **state) {
-    (void)state;
+TEST(test_atlas) {
     check_atlas(64, 81, 1024, 512, 1984);
     check_atlas(32, 81, 512, 256, 480);
     check_atlas(256, 81, 4096, 2048, 35840);
@@ -257,8 +249,7 @@ static void test_atlas(void **state) {
     assert_true(x == 1023 && y == 481);
 }
 
-static void test_tight_centres(void **state) {
-    (void)state;
+TEST(test_tight_centres) {
     /* blocks, rows */
     static const uint32_t cases[][3] = {
         {1, 1, 1}, {4096, 1, 4096}, {4097, 2, 2049}, {10000, 3, 3334}, {65536, 16, 4096},
@@ -292,8 +283,7 @@ static btf_ref_neighbours look_up(const uint16_t *table, uint32_t grid, int32_t 
     return btf_ref_lookup(table, grid, q);
 }
 
-static void test_project(void **state) {
-    (void)state;
+TEST(test_project) {
     static const struct {
         float direction[3];
         int32_t q[2];
@@ -328,8 +318,7 @@ static void test_project(void **state) {
     }
 }
 
-static void test_lookup_small(void **state) {
-    (void)state;
+TEST(test_lookup_small) {
     static uint16_t table[4 * 64 * 64 * (1 + 3 * 4)]; /* 64 x 64 cells of 4 records */
 
     /* one direction: a cell without records */
@@ -379,8 +368,7 @@ static void test_lookup_small(void **state) {
 
 /** At right angles to the edge after it, a corner answers for itself rather than for that edge. */
 /** Numbers of directions take 16 bits each, whichever record names them. */
-static void test_lookup_wide(void **state) {
-    (void)state;
+TEST(test_lookup_wide) {
     static const uint32_t indices[][3] = {
         {256, 511, 4095}, {4095, 255, 256}, {0x1234, 0xABCD, 0xFFFF}, {65535, 0, 65534}};
     for (size_t i = 0; i < sizeof indices / sizeof *indices; ++i) {
@@ -395,8 +383,7 @@ static void test_lookup_wide(void **state) {
     }
 }
 
-static void test_lookup_corner(void **state) {
-    (void)state;
+TEST(test_lookup_corner) {
     static uint16_t table[MADE_TABLE];
     direction_set corner = {.n_vertices = 3,
                             .n_triangles = 1,
@@ -411,8 +398,7 @@ static void test_lookup_corner(void **state) {
     assert_neighbours(look_up(table, 2, 8192, 4000), 0, 0, 1, 4096, 0, 0);
 }
 
-static void test_lookup_octagon(void **state) {
-    (void)state;
+TEST(test_lookup_octagon) {
     static uint16_t table[2][MADE_TABLE];
     make_table(&made_views, MADE_GRID, table[0]);
     make_table(&made_views, 1, table[1]);
@@ -447,8 +433,7 @@ static void test_lookup_octagon(void **state) {
     }
 }
 
-static void test_nearest(void **state) {
-    (void)state;
+TEST(test_nearest) {
     btf_ref_neighbours n = {{3, 5, 7}, {2000, 2000, 96}};
     assert_neighbours(btf_ref_nearest(n), 3, 4096, 3, 0, 3, 0);
     n = (btf_ref_neighbours){{3, 5, 7}, {100, 1998, 1998}};
@@ -459,22 +444,8 @@ static void test_nearest(void **state) {
 
 /* --- the build --- */
 
-static void test_self_test(void **state) {
-    (void)state;
+TEST(test_self_test) {
     assert_int_equal(btf_ref_self_test(), 1);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_log2),           cmocka_unit_test(test_exp2),
-        cmocka_unit_test(test_reciprocal),     cmocka_unit_test(test_pow),
-        cmocka_unit_test(test_half),           cmocka_unit_test(test_coordinate),
-        cmocka_unit_test(test_bilinear),       cmocka_unit_test(test_wrap),
-        cmocka_unit_test(test_atlas),          cmocka_unit_test(test_tight_centres),
-        cmocka_unit_test(test_project),        cmocka_unit_test(test_lookup_small),
-        cmocka_unit_test(test_lookup_wide),    cmocka_unit_test(test_lookup_corner),
-        cmocka_unit_test(test_lookup_octagon), cmocka_unit_test(test_nearest),
-        cmocka_unit_test(test_self_test),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

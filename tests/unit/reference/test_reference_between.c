@@ -5,29 +5,11 @@
  */
 #include "reference_assert.h"
 #include "tests/support/reference_material.h"
+#include "tests/support/test.h"
 
 #include "reference/btf_reference_private.h"
 
 enum { OLD_EFFECTS = BTF_REF_SHADOW | BTF_REF_SHIFT | BTF_REF_HIDDEN | BTF_REF_GAIN | BTF_REF_RESIDUAL };
-
-/** A made-up material of any kind with relief and gloss, and what it points to. */
-typedef struct made {
-    btf_ref_material m;
-    made_storage storage;
-    made_factors factors;
-    made_relief relief;
-} made;
-
-static void make(uint32_t seed, int extreme, made *out) {
-    make_material(seed, seed | 1, seed % 3 ? OLD_EFFECTS : seed / 3 % 32, extreme, &out->storage, &out->m);
-    if (seed % 2) {
-        make_factors(seed, extreme, &out->factors, &out->m);
-    }
-    if (seed % 7 == 3) {
-        make_points(seed, extreme, &out->storage, &out->m);
-    }
-    make_relief(seed, extreme, &out->relief, &out->m);
-}
 
 static btf_ref_options random_options(uint32_t *random) {
     btf_ref_options o = {.effects = UINT32_MAX, .components = UINT32_MAX};
@@ -53,13 +35,12 @@ static void assert_same(const float rgb[3], const float expected[3]) {
 
 /** Heights of 0, of a map or of none, leave every texel as it is without relief; filters blend in another
  * order only. */
-static void test_zero_heights(void **state) {
-    (void)state;
-    static made x;
+TEST(test_zero_heights) {
+    static made_all x;
     uint32_t random = 3;
     double worst = 0;
     for (uint32_t seed = 1; seed <= 60; ++seed) {
-        make(seed, seed % 5 == 0, &x);
+        make_all(seed, seed % 5 == 0, &x);
         x.m.relief_base = 0;
         memset(x.relief.heights, 0, sizeof x.relief.heights);
         for (int i = 0; i < 300; ++i) {
@@ -92,12 +73,11 @@ static void test_zero_heights(void **state) {
 
 /** At the sampled views, whatever the heights, relief and gloss change nothing; nor do they where views
  * only differ by what a device may flush to zero. */
-static void test_sampled_views(void **state) {
-    (void)state;
-    static made x;
+TEST(test_sampled_views) {
+    static made_all x;
     uint32_t random = 5;
     for (uint32_t seed = 1; seed <= 60; ++seed) {
-        make(seed, seed % 5 == 0, &x);
+        make_all(seed, seed % 5 == 0, &x);
         for (int i = 0; i < 300; ++i) {
             float l[3], with[3], without[3];
             btf_ref_options o = random_options(&random), plain = o;
@@ -115,12 +95,11 @@ static void test_sampled_views(void **state) {
 }
 
 /** Views that relief leaves alone: with none of it left it changes nothing, whatever the heights. */
-static void test_views_left_alone(void **state) {
-    (void)state;
-    static made x;
+TEST(test_views_left_alone) {
+    static made_all x;
     uint32_t random = 7;
     for (uint32_t seed = 1; seed <= 60; ++seed) {
-        make(seed, 0, &x);
+        make_all(seed, 0, &x);
         for (int a = 0; a < MADE_VIEWS; ++a) {
             x.relief.view_vectors[4 * a + 3] = 0;
         }
@@ -144,7 +123,7 @@ static void test_views_left_alone(void **state) {
 
 /** The value of one texel in one view that is blended: radiance before its scale, or the root where roots are blended
  * and radiance is not 0; *out_known false where it may be negative. */
-static void blended_value(const made *x, const btf_ref_options *o, uint32_t column, uint32_t row,
+static void blended_value(const made_all *x, const btf_ref_options *o, uint32_t column, uint32_t row,
                           uint32_t view, const btf_ref_neighbours *lights, const float l[3],
                           const float v[3], bool *out_known, double out[3]) {
     btf_ref_neighbours alone = {{view, view, view}, {4096, 0, 0}};
@@ -162,13 +141,12 @@ static void blended_value(const made *x, const btf_ref_options *o, uint32_t colu
 
 /** Each view with its own lights, at its own texels, blended over texels and then over views, is the
  * result. */
-static void test_parts(void **state) {
-    (void)state;
-    static made x;
+TEST(test_parts) {
+    static made_all x;
     uint32_t random = 11, compared = 0, of_roots = 0;
     double worst = 0;
     for (uint32_t seed = 1; seed <= 120; ++seed) {
-        make(seed, 0, &x);
+        make_all(seed, 0, &x);
         for (int i = 0; i < 150; ++i) {
             float l[3], v[3], rgb[3];
             btf_ref_options o = random_options(&random);
@@ -248,12 +226,11 @@ static void gloss_lights(const btf_ref_material *m, const btf_ref_neighbours *vi
 
 /** Every entry point gives the same texel: relief starts at its centre; neighbours of lights from outside
  * know no gloss, unless each view has its own. */
-static void test_ways_agree(void **state) {
-    (void)state;
-    static made x;
+TEST(test_ways_agree) {
+    static made_all x;
     uint32_t random = 13;
     for (uint32_t seed = 1; seed <= 60; ++seed) {
-        make(seed, seed % 5 == 0, &x);
+        make_all(seed, seed % 5 == 0, &x);
         for (int i = 0; i < 200; ++i) {
             float l[3], v[3], rgb[4][3];
             btf_ref_options o = random_options(&random), no_gloss;
@@ -288,7 +265,7 @@ static void test_ways_agree(void **state) {
 
 /** A smooth plane at one height above that of the data, darker from view to view, with lights that differ;
  * some views that relief leaves alone. */
-static void make_smooth(uint32_t seed, made *out) {
+static void make_smooth(uint32_t seed, made_all *out) {
     make_material(1, 1, BTF_REF_SHADOW | BTF_REF_GAIN, 0, &out->storage, &out->m);
     make_relief(seed, 0, &out->relief, &out->m);
     out->m.lobes = 0;
@@ -314,9 +291,8 @@ static void make_smooth(uint32_t seed, made *out) {
 
 /** Along lines across all cells, past views that relief acts on and others: a step of the view does not
  * make the result jump, for relief fades and gloss is a motion. */
-static void test_no_jumps(void **state) {
-    (void)state;
-    static made x;
+TEST(test_no_jumps) {
+    static made_all x;
     uint32_t random = 17;
     double worst = 0;
     enum { LINES = 60, STEPS = 4096 };
@@ -350,7 +326,7 @@ static void test_no_jumps(void **state) {
 
 /* --- any argument --- */
 
-static float hard_component(uint32_t *random, const made *x, int k) {
+static float hard_component(uint32_t *random, const made_all *x, int k) {
     static const uint32_t hard[] = {0,          0x80000000, 1,          0x3F800000, 0xBF800000, 0x33800000,
                                     0x337FFFFF, 0x40000000, 0xC0000000, 0x3F7FFFFF, 0x7F800000, 0x7FC00000};
     uint32_t choice = random_below(random, 8);
@@ -374,12 +350,11 @@ static float hard_component(uint32_t *random, const made *x, int k) {
 }
 
 /** Legal files of extreme parameters, any bits as arguments: finite, not negative, no denormal. */
-static void test_finite(void **state) {
-    (void)state;
-    static made x;
+TEST(test_finite) {
+    static made_all x;
     uint32_t random = 19, lit = 0, evaluations = 0;
     for (uint32_t seed = 1; seed <= 200; ++seed) {
-        make(seed, seed % 5 != 0, &x);
+        make_all(seed, seed % 5 != 0, &x);
         for (int i = 0; i < 1500; ++i) {
             float l[3], v[3], rgb[3];
             for (int k = 0; k < 3; ++k) {
@@ -406,12 +381,4 @@ static void test_finite(void **state) {
     assert_true(lit > evaluations / 10);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_zero_heights),     cmocka_unit_test(test_sampled_views),
-        cmocka_unit_test(test_views_left_alone), cmocka_unit_test(test_parts),
-        cmocka_unit_test(test_ways_agree),       cmocka_unit_test(test_no_jumps),
-        cmocka_unit_test(test_finite),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -5,9 +5,9 @@
  */
 #include "hand_material.h"
 #include "reference_assert.h"
+#include "tests/support/test.h"
 
-static void test_lambertian(void **state) {
-    (void)state;
+TEST(test_lambertian) {
     float light[3] = {0.6f, 0.0f, 0.8f}, rgb[3];
     for (int tight = 0; tight < 2; ++tight) {
         hand_fixture *f = hand_material(tight, 0);
@@ -28,8 +28,7 @@ static void test_lambertian(void **state) {
     }
 }
 
-static void test_lobes(void **state) {
-    (void)state;
+TEST(test_lobes) {
     float l[3] = {0.5f, 0.0f, 0.5f}, v[3] = {-0.5f, 0.25f, 1.0f}, rgb[3];
     hand_fixture *f = hand_material(1, 0);
     f->m.lobes = 2;
@@ -71,8 +70,7 @@ static void test_lobes(void **state) {
     assert_bits(rgb[0], 0.0f);
 }
 
-static void test_shadow(void **state) {
-    (void)state;
+TEST(test_shadow) {
     float rgb[3];
     for (int tight = 0; tight < 2; ++tight) {
         hand_fixture *f = hand_material(tight, BTF_REF_SHADOW);
@@ -104,8 +102,7 @@ static void test_shadow(void **state) {
     }
 }
 
-static void test_shift_and_gain(void **state) {
-    (void)state;
+TEST(test_shift_and_gain) {
     float rgb[3];
     for (int tight = 0; tight < 2; ++tight) {
         hand_fixture *f = hand_material(tight, BTF_REF_SHIFT | BTF_REF_GAIN | BTF_REF_SHADOW);
@@ -148,8 +145,7 @@ static void test_shift_and_gain(void **state) {
     assert_bits(rgb[0], hand_albedo(3, 2));
 }
 
-static void test_two_views(void **state) {
-    (void)state;
+TEST(test_two_views) {
     float rgb[3];
     hand_fixture *f = hand_material(0, BTF_REF_GAIN | BTF_REF_SHIFT | BTF_REF_HIDDEN);
     hand_set_lambertian(f);
@@ -166,8 +162,7 @@ static void test_two_views(void **state) {
     assert_bits(rgb[0], 0.25f * 0.25f + 0.5f + 0.5625f * 0.25f);
 }
 
-static void test_clamps(void **state) {
-    (void)state;
+TEST(test_clamps) {
     float rgb[3];
     hand_fixture *f = hand_material(1, BTF_REF_GAIN);
     float *p = hand_parameter(f, 0, 0, 0);
@@ -198,8 +193,7 @@ static void test_clamps(void **state) {
     assert_bits(rgb[0], 0x1p88f);
 }
 
-static void test_horizon(void **state) {
-    (void)state;
+TEST(test_horizon) {
     hand_fixture *f = hand_material(0, 0);
     hand_set_lambertian(f);
     static const uint32_t bad[] = {
@@ -233,12 +227,4 @@ static void test_horizon(void **state) {
     assert_bits(rgb[0], 0x1p-24f);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lambertian), cmocka_unit_test(test_lobes),
-        cmocka_unit_test(test_shadow),     cmocka_unit_test(test_shift_and_gain),
-        cmocka_unit_test(test_two_views),  cmocka_unit_test(test_clamps),
-        cmocka_unit_test(test_horizon),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -5,6 +5,7 @@
  */
 #include "reference_assert.h"
 #include "tests/support/reference_material.h"
+#include "tests/support/test.h"
 
 enum {
     CLASSES = 5,
@@ -151,8 +152,7 @@ static void radiance_in_double(const btf_ref_material *m, uint32_t units, uint32
     }
 }
 
-static void test_against_double(void **state) {
-    (void)state;
+TEST(test_against_double) {
     btf_ref_material m;
     uint32_t random = 41, lit = 0, blended = 0;
     double worst = 0;
@@ -228,8 +228,7 @@ static float luma(const btf_ref_material *m, const float light[3]) {
 }
 
 /** The largest sums that FORMAT.md states come out, and are exact in spite of the conversion to float. */
-static void test_bounds(void **state) {
-    (void)state;
+TEST(test_bounds) {
     static const struct {
         uint32_t largest, smallest; /* words of nothing but such codes */
         int32_t dot;                /* of a unit, where both are the largest */
@@ -258,8 +257,7 @@ static void test_bounds(void **state) {
 }
 
 /** Shifts round down, of negative sums too. */
-static void test_shift(void **state) {
-    (void)state;
+TEST(test_shift) {
     btf_ref_material m;
     /* class 0, component 0 of word 0 alone: 1 * 3, weighted 4096 * 3 = 12288 of one light, or 1365 * 3 =
      * 4095 */
@@ -279,8 +277,7 @@ static void test_shift(void **state) {
 }
 
 /** Channels of the words of a unit, and from Y, C1, C2 to R, G, B. */
-static void test_colour(void **state) {
-    (void)state;
+TEST(test_colour) {
     static const uint32_t counts[6][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {2, 1}, {1, 3}};
     btf_ref_options options = {UINT32_MAX, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_TEXEL};
     for (int c = 0; c < CLASSES; ++c) {
@@ -306,8 +303,7 @@ static void test_colour(void **state) {
     }
 }
 
-static void test_horizon(void **state) {
-    (void)state;
+TEST(test_horizon) {
     btf_ref_material m;
     const float low[3] = {0.9f, 0.0f, 0.0625f}, high[3] = {0.9f, 0.0f, 0.25f};
     make_uniform(2, 0xFFFFFFFFu, 0xFFFFFFFFu, 0x1p-10f, &m);
@@ -325,8 +321,7 @@ static void test_horizon(void **state) {
 }
 
 /** With a model: h fades with the cosine, r does not. */
-static void test_model_and_factors(void **state) {
-    (void)state;
+TEST(test_model_and_factors) {
     btf_ref_material m;
     const float low[3] = {0.9f, 0.0f, 0.25f};
     make_uniform(4, 0xFFFFFFFFu, 0xFFFFFFFFu, 0x1p-10f, &m);
@@ -344,8 +339,7 @@ static void test_model_and_factors(void **state) {
 }
 
 /** Roots that are blended may be negative in a view, and include hidden views. */
-static void test_blended_roots(void **state) {
-    (void)state;
+TEST(test_blended_roots) {
     btf_ref_material m;
     make_uniform(4, 0xFFFFFFFFu, 0xFFFFFFFFu, 0x1p-6f, &m);
     const float r = 64 * 9 * 0x1p-6f; /* 9 */
@@ -383,8 +377,7 @@ static void test_blended_roots(void **state) {
 }
 
 /** Fewer units are the material without the others. */
-static void test_truncation(void **state) {
-    (void)state;
+TEST(test_truncation) {
     btf_ref_material m, shorter;
     uint32_t random = 5, different = 0;
     for (uint32_t round = 0; round < 60; ++round) {
@@ -419,8 +412,7 @@ static void test_truncation(void **state) {
 }
 
 /** Legal files of extreme parameters, roots blended too: finite and not negative. */
-static void test_finite(void **state) {
-    (void)state;
+TEST(test_finite) {
     btf_ref_material m;
     uint32_t random = 78, lit = 0, evaluations = 0;
     for (uint32_t round = 0; round < 150; ++round) {
@@ -450,13 +442,4 @@ static void test_finite(void **state) {
     assert_true(lit > evaluations / 2);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_double), cmocka_unit_test(test_bounds),
-        cmocka_unit_test(test_shift),          cmocka_unit_test(test_colour),
-        cmocka_unit_test(test_horizon),        cmocka_unit_test(test_model_and_factors),
-        cmocka_unit_test(test_blended_roots),  cmocka_unit_test(test_truncation),
-        cmocka_unit_test(test_finite),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

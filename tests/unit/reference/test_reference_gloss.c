@@ -5,6 +5,7 @@
  */
 #include "reference_assert.h"
 #include "tests/support/reference_material.h"
+#include "tests/support/test.h"
 
 #include "reference/btf_reference_private.h"
 
@@ -50,8 +51,7 @@ static void looked_up_in_double(const float l[3], const float v[3], const float 
     plane_point(c, out_q);
 }
 
-static void test_against_double(void **state) {
-    (void)state;
+TEST(test_against_double) {
     uint32_t random = 3, clamped = 0;
     double worst = 0;
     for (int i = 0; i < 500000; ++i) {
@@ -83,8 +83,7 @@ static void test_against_double(void **state) {
 /** The light that makes with A the half vector of l and V is as far from l as A is from V, on the other
  * side; gloss goes to it by its share. Turning light and both views about the normal turns where lights are
  * looked up. */
-static void test_geometry(void **state) {
-    (void)state;
+TEST(test_geometry) {
     uint32_t random = 5;
     for (int i = 0; i < 20000; ++i) {
         /* in the plane of u and the normal: view at angle t, sampled one at t + e, light anywhere in the
@@ -123,8 +122,7 @@ static void test_geometry(void **state) {
 
 /** At the sampled view, and where a machine that flushes denormals would take it for that, it is the light
  * itself. */
-static void test_at_the_sampled_view(void **state) {
-    (void)state;
+TEST(test_at_the_sampled_view) {
     uint32_t random = 7;
     static const float nearly[][3] = {
         {0, 0, 0}, {1e-40f, 0, 0}, {0, -1e-40f, 0}, {0x1.fffffep-25f, -0x1.fffffep-25f, 0}};
@@ -148,8 +146,7 @@ static void test_at_the_sampled_view(void **state) {
 
 /** A light that sinks stays at the horizon; a half vector that vanishes shortens the reflection; all of it
  * goes there without a jump. */
-static void test_limits(void **state) {
-    (void)state;
+TEST(test_limits) {
     const float low[3] = {0.99998f, 0, 0.0063f}, other[3] = {-0.99998f, 0, 0.0063f},
                 steep[3] = {-0.5f, 0, 0.8660254f};
     int32_t q[2];
@@ -181,12 +178,4 @@ static void test_limits(void **state) {
     assert_true(step <= 2);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_double),
-        cmocka_unit_test(test_geometry),
-        cmocka_unit_test(test_at_the_sampled_view),
-        cmocka_unit_test(test_limits),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

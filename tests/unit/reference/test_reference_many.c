@@ -5,6 +5,7 @@
  */
 #include "reference_assert.h"
 #include "tests/support/reference_material.h"
+#include "tests/support/test.h"
 
 #define ALL_EFFECTS (BTF_REF_SHADOW | BTF_REF_SHIFT | BTF_REF_HIDDEN | BTF_REF_GAIN | BTF_REF_RESIDUAL)
 
@@ -96,8 +97,7 @@ static void copy_to_atlas(const btf_ref_material *tight, made_storage *s, btf_re
     }
 }
 
-static void test_against_double(void **state) {
-    (void)state;
+TEST(test_against_double) {
     static made_storage storage;
     btf_ref_material m;
     btf_ref_options options = {UINT32_MAX, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_TEXEL};
@@ -135,8 +135,7 @@ static void test_against_double(void **state) {
 }
 
 /** Both layouts of the same material, and every way to ask, give the same bits. */
-static void test_ways_agree(void **state) {
-    (void)state;
+TEST(test_ways_agree) {
     static made_storage storage;
     btf_ref_material tight, paper;
     uint32_t random = 33;
@@ -171,8 +170,7 @@ static void test_ways_agree(void **state) {
 }
 
 /** Legal files of extreme parameters, any bits as arguments: finite and not negative. */
-static void test_finite(void **state) {
-    (void)state;
+TEST(test_finite) {
     static made_storage storage;
     btf_ref_material m;
     uint32_t random = 77, lit = 0, evaluations = 0;
@@ -216,11 +214,4 @@ static void test_finite(void **state) {
     assert_true(lit > evaluations / 10);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_double),
-        cmocka_unit_test(test_ways_agree),
-        cmocka_unit_test(test_finite),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -5,6 +5,7 @@
  */
 #include "hand_material.h"
 #include "reference_assert.h"
+#include "tests/support/test.h"
 
 /** Columns and rows from -32, a code of the gain, as section 3 packs them. */
 static void set_point(hand_fixture *f, uint32_t column, uint32_t row, uint32_t view, int columns, int rows,
@@ -15,8 +16,7 @@ static void set_point(hand_fixture *f, uint32_t column, uint32_t row, uint32_t v
     bytes[1] = (uint8_t)(p / 256);
 }
 
-static void test_packed_points(void **state) {
-    (void)state;
+TEST(test_packed_points) {
     float rgb[3];
     hand_fixture *f = hand_material(1, BTF_REF_SHIFT | BTF_REF_GAIN);
     hand_set_lambertian(f);
@@ -62,8 +62,7 @@ static void test_packed_points(void **state) {
 }
 
 /* A texel's list, and half a byte a view that names an entry: the low one of an even view. */
-static void test_lists(void **state) {
-    (void)state;
+TEST(test_lists) {
     static uint8_t indices[MADE_VIEWS * MADE_TEXELS];
     float rgb[3];
     hand_fixture *f = hand_material(1, BTF_REF_SHIFT | BTF_REF_GAIN);
@@ -95,8 +94,7 @@ static void test_lists(void **state) {
     assert_bits(rgb[0], hand_albedo(1, 1) * 0.25f);
 }
 
-static void test_hidden(void **state) {
-    (void)state;
+TEST(test_hidden) {
     float light[3] = {0.0f, 0.0f, 0.5f}, rgb[3];
     for (int tight = 0; tight < 2; ++tight) {
         for (int domain = 0; domain < 2; ++domain) {
@@ -132,8 +130,7 @@ static void test_hidden(void **state) {
 }
 
 /** Centre 259 is bytes 3 and 1, the low one first. */
-static void test_centre_index(void **state) {
-    (void)state;
+TEST(test_centre_index) {
     static uint8_t centres[4 * 300 * MADE_LIGHTS]; /* one block of 300 rows */
     float rgb[3];
     hand_fixture *f = hand_material(1, BTF_REF_HIDDEN);
@@ -146,12 +143,4 @@ static void test_centre_index(void **state) {
     assert_rgb(rgb, 9.0f, 65025.0f, 0.0f);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_packed_points),
-        cmocka_unit_test(test_lists),
-        cmocka_unit_test(test_hidden),
-        cmocka_unit_test(test_centre_index),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -6,6 +6,7 @@
  */
 #include "reference_assert.h"
 #include "tests/support/reference_material.h"
+#include "tests/support/test.h"
 
 #include "reference/btf_reference_private.h"
 
@@ -90,8 +91,7 @@ static void random_slope(uint32_t *random, int32_t out_s[2]) {
 
 /* --- single steps --- */
 
-static void test_shift_down(void **state) {
-    (void)state;
+TEST(test_shift_down) {
     uint32_t random = 3;
     static const int32_t limits[] = {0, 1, -1, INT32_MAX, INT32_MIN, -4096, 4095};
     for (int i = 0; i < 200000; ++i) {
@@ -102,8 +102,7 @@ static void test_shift_down(void **state) {
     }
 }
 
-static void test_slope(void **state) {
-    (void)state;
+TEST(test_slope) {
     uint32_t random = 5;
     double worst = 0;
     for (int i = 0; i < 500000; ++i) {
@@ -126,8 +125,7 @@ static void test_slope(void **state) {
     assert_true(worst <= 0.505); /* half a unit of rounding and 1.2e-7 of 32767 */
 }
 
-static void test_move(void **state) {
-    (void)state;
+TEST(test_move) {
     uint32_t random = 7;
     static field f;
     make_field(0, 0, 1, 0, &f);
@@ -149,8 +147,7 @@ static void test_move(void **state) {
     }
 }
 
-static void test_steep(void **state) {
-    (void)state;
+TEST(test_steep) {
     for (uint32_t f = 0; f < 256; ++f) {
         double part = (double)f / 256, expected = 256 * fmin(fmax(2 * part - 0.5, 0), 1);
         assert_int_equal(btf_ref_steep(f), expected);
@@ -176,8 +173,7 @@ static void add_boxes(uint32_t *random, field *f) {
 
 /** A march never stops above the surface by a step, and where the surface holds for a step it stops within
  * one of where the ray meets it first; on the top of a box exactly there. */
-static void test_march_against_rays(void **state) {
-    (void)state;
+TEST(test_march_against_rays) {
     static field f;
     uint32_t random = 11, rays = 0, held = 0, landed = 0;
     double worst = 0;
@@ -229,8 +225,7 @@ static void test_march_against_rays(void **state) {
 }
 
 /** In a map of one height a march ends exactly there. */
-static void test_march_on_a_plane(void **state) {
-    (void)state;
+TEST(test_march_on_a_plane) {
     static field f;
     uint32_t random = 13;
     for (int i = 0; i < 100000; ++i) {
@@ -259,8 +254,7 @@ static double apart(double a, double b, int size) {
 
 /** At a height h, the point seen at x from V has its foot at x + h V.xy / V.z, and a view A shows it at
  * that less h A.xy / A.z. */
-static void test_parallax(void **state) {
-    (void)state;
+TEST(test_parallax) {
     static field f;
     uint32_t random = 17;
     double worst = 0;
@@ -323,8 +317,7 @@ static void weights_in_double(const field *f, const btf_ref_neighbours *views, c
 }
 
 /** Beside a wall, views from behind it weigh less, by how much it rises above the point: in double. */
-static void test_walls_hide(void **state) {
-    (void)state;
+TEST(test_walls_hide) {
     static field f;
     uint32_t random = 19, compared = 0, hidden = 0;
     double worst = 0;
@@ -362,8 +355,7 @@ static void test_walls_hide(void **state) {
 
 /** For any heights and neighbours: weights are in 0 .. 4096 and sum to 4096; none comes from nothing;
  * positions are in the level; without occlusion the weights stay. */
-static void test_weights_sum(void **state) {
-    (void)state;
+TEST(test_weights_sum) {
     static made_storage storage;
     static made_relief relief;
     btf_ref_material m;
@@ -410,17 +402,4 @@ static void test_weights_sum(void **state) {
     assert_true(changed > MATERIALS * EACH / 10);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shift_down),
-        cmocka_unit_test(test_slope),
-        cmocka_unit_test(test_move),
-        cmocka_unit_test(test_steep),
-        cmocka_unit_test(test_march_on_a_plane),
-        cmocka_unit_test(test_march_against_rays),
-        cmocka_unit_test(test_parallax),
-        cmocka_unit_test(test_walls_hide),
-        cmocka_unit_test(test_weights_sum),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

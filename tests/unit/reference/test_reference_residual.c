@@ -4,6 +4,7 @@
  */
 #include "hand_material.h"
 #include "reference_assert.h"
+#include "tests/support/test.h"
 
 /** Sets V_j(view, light) of all channels: v, 2 v, -v. */
 static void set_v(hand_fixture *f, uint32_t j, uint32_t view, uint32_t light, int v) {
@@ -19,8 +20,7 @@ static void set_u(hand_fixture *f, uint32_t j, uint32_t column, uint32_t row, in
     f->s.residual_texels[4 * ((j / 4 * MADE_HEIGHT + row) * MADE_WIDTH + column) + j % 4] = (int8_t)u;
 }
 
-static void test_residual(void **state) {
-    (void)state;
+TEST(test_residual) {
     float light[3] = {0.0f, 0.0f, 0.5f}, rgb[3];
     hand_fixture *f = hand_material(0, BTF_REF_RESIDUAL | BTF_REF_SHIFT);
     f->m.components = 6;
@@ -66,8 +66,7 @@ static void test_residual(void **state) {
     assert_rgb(rgb, 0.0f, 0.0f, 0.0f);
 }
 
-static void test_filter(void **state) {
-    (void)state;
+TEST(test_filter) {
     hand_fixture *f = hand_material(0, 0);
     /* 4 x 4 of the 7 x 5: powers of two, so that u = (c + 0.5) / W is exact */
     f->m.width = f->m.height = 4;
@@ -103,10 +102,4 @@ static void test_filter(void **state) {
     assert_bits(rgb[0], 1.0f);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_residual),
-        cmocka_unit_test(test_filter),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

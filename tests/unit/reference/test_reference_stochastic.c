@@ -5,30 +5,11 @@
  */
 #include "reference_assert.h"
 #include "tests/support/reference_material.h"
+#include "tests/support/test.h"
 
 #include "reference/btf_reference_private.h"
-#include "tests/support/light.h"
 
 enum { OLD_EFFECTS = BTF_REF_SHADOW | BTF_REF_SHIFT | BTF_REF_HIDDEN | BTF_REF_GAIN | BTF_REF_RESIDUAL };
-
-/** A made-up material of any kind with relief and gloss, and what it points to. */
-typedef struct made {
-    btf_ref_material m;
-    made_storage storage;
-    made_factors factors;
-    made_relief relief;
-} made;
-
-static void make(uint32_t seed, made *out) {
-    make_material(seed, seed | 1, seed % 3 ? OLD_EFFECTS : seed / 3 % 32, 0, &out->storage, &out->m);
-    if (seed % 2) {
-        make_factors(seed, 0, &out->factors, &out->m);
-    }
-    if (seed % 7 == 3) {
-        make_points(seed, 0, &out->storage, &out->m);
-    }
-    make_relief(seed, 0, &out->relief, &out->m);
-}
 
 /** The arguments of a decode. */
 typedef struct point {
@@ -48,11 +29,11 @@ static btf_ref_options linear(int filter) {
     return (btf_ref_options){UINT32_MAX, UINT32_MAX, BTF_REF_LINEAR, filter};
 }
 
-static void blend(const made *x, const btf_ref_options *o, int picks, const point *p, float out[3]) {
+static void blend(const made_all *x, const btf_ref_options *o, int picks, const point *p, float out[3]) {
     btf_ref_evaluate_radiance_blend(&x->m, o, picks, p->u, p->v, p->light, p->view, out);
 }
 
-static void choose(const made *x, const btf_ref_options *o, int picks, const point *p, uint32_t r0,
+static void choose(const made_all *x, const btf_ref_options *o, int picks, const point *p, uint32_t r0,
                    uint32_t r1, uint32_t r2, float out[3]) {
     const uint32_t random[3] = {r0, r1, r2};
     btf_ref_evaluate_stochastic(&x->m, o, picks, p->u, p->v, p->light, p->view, random, out);
@@ -79,7 +60,7 @@ static void add(double sum[3], const float rgb[3]) {
 }
 
 /** One light of all the weight for every neighbouring view, if there is one near the rim. */
-static bool single_light(const made *x, const btf_ref_options *o, point *p, uint32_t *random) {
+static bool single_light(const made_all *x, const btf_ref_options *o, point *p, uint32_t *random) {
     for (int i = 0; i < 2000; ++i) {
         int32_t q[2];
         random_direction(random, p->light);
@@ -99,8 +80,7 @@ static bool single_light(const made *x, const btf_ref_options *o, point *p, uint
 
 /* --- the random numbers --- */
 
-static void test_random(void **state) {
-    (void)state;
+TEST(test_random) {
     static const uint32_t counters[3][3] = {{0, 0, 0}, {1, 2, 3}, {0xFFFFFFFF, 0x80000000, 12345}};
     static const uint32_t expected[3][3] = {{0x9BAFD7C6, 0xA8E88A6B, 0x3F15482C},
                                             {0xFA9F79A6, 0x48F2F44C, 0x596F5AB1},
@@ -116,12 +96,11 @@ static void test_random(void **state) {
 
 /** Directions that are samples and one texel, and nearest mode: every choice is the decode of section 9,
  * bit for bit. */
-static void test_one_choice(void **state) {
-    (void)state;
-    static made x;
+TEST(test_one_choice) {
+    static made_all x;
     uint32_t random = 3;
     for (uint32_t seed = 1; seed <= 60; ++seed) {
-        make(seed, &x);
+        make_all(seed, 0, &x);
         for (int i = 0; i < 100; ++i) {
             point p = random_point(&random);
             btf_ref_options o = linear(BTF_REF_TEXEL);
@@ -141,11 +120,10 @@ static void test_one_choice(void **state) {
 }
 
 /** Below the horizon there is nothing. */
-static void test_horizon(void **state) {
-    (void)state;
-    static made x;
+TEST(test_horizon) {
+    static made_all x;
     uint32_t random = 5;
-    make(1, &x);
+    make_all(1, 0, &x);
     point p = random_point(&random);
     p.view[2] = -p.view[2];
     const btf_ref_options o = linear(BTF_REF_TEXEL);
@@ -161,12 +139,11 @@ static void test_horizon(void **state) {
 
 /** Without relief and gloss, of one texel: radiance of single views and lights, decoded by another entry
  * point. */
-static void test_blend_of_neighbours(void **state) {
-    (void)state;
-    static made x;
+TEST_OF_NUMBERS(test_blend_of_neighbours) {
+    static made_all x;
     uint32_t random = 7;
     for (uint32_t seed = 1; seed <= 60; ++seed) {
-        make(seed, &x);
+        make_all(seed, 0, &x);
         for (int i = 0; i < 100; ++i) {
             point p = random_point(&random);
             btf_ref_options o = linear(BTF_REF_TEXEL);
@@ -213,14 +190,13 @@ static void test_blend_of_neighbours(void **state) {
 
 /** Where views are blended as radiance, and views alone are picked, the blend is the decode of section 9,
  * with all effects and filters: in another order at most. */
-static void test_blend_of_radiance(void **state) {
-    (void)state;
-    static made x;
+TEST_OF_NUMBERS(test_blend_of_radiance) {
+    static made_all x;
     uint32_t random = 29;
     double worst = 0;
     int compared = 0;
     for (uint32_t seed = 1; seed <= 60; ++seed) {
-        make(seed, &x);
+        make_all(seed, 0, &x);
         for (int i = 0; i < 100 && x.m.blend == BTF_REF_BLEND_RADIANCE; ++i, ++compared) {
             const point p = random_point(&random);
             btf_ref_options o = linear(i % 3);
@@ -241,12 +217,11 @@ static void test_blend_of_radiance(void **state) {
 /* --- the mean of all choices --- */
 
 /** All 4096 numbers that pick a view. */
-static void test_mean_over_views(void **state) {
-    (void)state;
-    static made x;
+TEST_OF_NUMBERS(test_mean_over_views) {
+    static made_all x;
     uint32_t random = 11;
     for (uint32_t seed = 1; seed <= 40; ++seed) {
-        make(seed, &x);
+        make_all(seed, 0, &x);
         for (int i = 0; i < 6; ++i) {
             const point p = random_point(&random);
             const btf_ref_options o = linear(i % 3);
@@ -264,12 +239,11 @@ static void test_mean_over_views(void **state) {
 }
 
 /** All that pick a light, seen from a sample. */
-static void test_mean_over_lights(void **state) {
-    (void)state;
-    static made x;
+TEST_OF_NUMBERS(test_mean_over_lights) {
+    static made_all x;
     uint32_t random = 13;
     for (uint32_t seed = 1; seed <= 40; ++seed) {
-        make(seed, &x);
+        make_all(seed, 0, &x);
         for (int i = 0; i < 6; ++i) {
             point p = random_point(&random);
             const btf_ref_options o = linear(i % 3);
@@ -289,14 +263,13 @@ static void test_mean_over_lights(void **state) {
 
 /** All that pick a texel, under one light and seen from a sample; then all that pick a level, of one texel.
  */
-static void test_mean_over_texels_and_levels(void **state) {
-    (void)state;
-    static made x[2];
+TEST_OF_NUMBERS(test_mean_over_texels_and_levels) {
+    static made_all x[2];
     uint32_t random = 17;
     int seen = 0;
     for (uint32_t seed = 1; seed <= 12; ++seed) {
-        make(seed, &x[0]);
-        make(seed + 100, &x[1]);
+        make_all(seed, 0, &x[0]);
+        make_all(seed + 100, 0, &x[1]);
         point p = random_point(&random);
         btf_ref_options o = linear(1 + (int)seed % 2);
         o.effects &= ~(uint32_t)BTF_REF_GLOSS;
@@ -335,14 +308,13 @@ static void test_mean_over_texels_and_levels(void **state) {
 }
 
 /** Everything at once, of random numbers of the hash: within 4 standard errors. */
-static void test_mean_of_samples(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_mean_of_samples) {
     enum { SAMPLES = 20000 };
-    static made x;
+    static made_all x;
     uint32_t random = 19;
     double worst = 0;
     for (uint32_t seed = 1; seed <= 20; ++seed) {
-        make(seed, &x);
+        make_all(seed, 0, &x);
         const point p = random_point(&random);
         const btf_ref_options o = linear((int)seed % 3);
         const int picks = 2 + (int)seed / 3 % 2;
@@ -373,9 +345,8 @@ static void test_mean_of_samples(void **state) {
 /* --- levels --- */
 
 /** Levels that are none, or whole, or beyond the last. */
-static void test_levels(void **state) {
-    (void)state;
-    static made x[3];
+TEST(test_levels) {
+    static made_all x[3];
     static const struct {
         float level;
         int is;
@@ -383,7 +354,7 @@ static void test_levels(void **state) {
                  {1e9f, 2}, {NAN, 0},   {INFINITY, 2}, {-INFINITY, 0}, {1.003f, 1}, {0x1p-140f, 0}};
     uint32_t random = 23;
     for (uint32_t i = 0; i < 3; ++i) {
-        make(i + 1, &x[i]);
+        make_all(i + 1, 0, &x[i]);
     }
     const btf_ref_material levels[3] = {x[0].m, x[1].m, x[2].m};
     const btf_ref_options o = linear(BTF_REF_BILINEAR);
@@ -402,20 +373,4 @@ static void test_levels(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random),
-        cmocka_unit_test(test_one_choice),
-        cmocka_unit_test(test_horizon),
-        cmocka_unit_test(test_levels),
-    };
-    const struct CMUnitTest numbers[] = {
-        cmocka_unit_test(test_blend_of_neighbours),
-        cmocka_unit_test(test_blend_of_radiance),
-        cmocka_unit_test(test_mean_over_views),
-        cmocka_unit_test(test_mean_over_lights),
-        cmocka_unit_test(test_mean_over_texels_and_levels),
-        cmocka_unit_test(test_mean_of_samples),
-    };
-    return RUN_TESTS_AND_NUMBERS("reference-stochastic", tests, numbers);
-}
+RUN_TESTS(NULL, NULL)

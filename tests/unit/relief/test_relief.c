@@ -2,24 +2,13 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/nodes/fit.h"
 #include "encoder/nodes/apply.h"
 #include "encoder/relief/relief.h"
 #include "tests/sample/directions.h"
-#include "tests/support/light.h"
+#include "tests/support/test.h"
 
-#include <math.h>
 #include <openbtf/material.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 static const enc_relief_options both = {.relief = true, .gloss = -1};
@@ -103,8 +92,7 @@ static double high(int column, int row) {
     return 8 * raised(column, row);
 }
 
-static void test_a_step_is_found(void **state) {
-    (void)state;
+TEST(test_a_step_is_found) {
     enc_data *data = planted(more, step, 0);
     enc_relief_choice choice;
     enc_relief_store store;
@@ -129,8 +117,7 @@ static void test_a_step_is_found(void **state) {
 
 /* One candidate more has the best map's extremes drawn in, and is taken where it gains more than that: the march has
  * as many steps, over less. */
-static void test_extremes_are_drawn_in(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_extremes_are_drawn_in) {
     for (int tall = 0; tall < 2; tall++) {
         enc_data *data = planted(more, tall ? towers : step, 0);
         enc_relief_choice choice;
@@ -153,8 +140,7 @@ static void test_extremes_are_drawn_in(void **state) {
     }
 }
 
-static void test_one_height_has_no_map(void **state) {
-    (void)state;
+TEST(test_one_height_has_no_map) {
     enc_data *data = planted(rings, sunk, 0);
     enc_relief_choice choice;
     enc_relief_store store;
@@ -167,8 +153,7 @@ static void test_one_height_has_no_map(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_flat_and_noise_stay_flat(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_flat_and_noise_stay_flat) {
     static const float noises[] = {0, 0.1f};
     for (size_t i = 0; i < sizeof noises / sizeof *noises; i++) {
         enc_data *data = planted(rings, NULL, noises[i]);
@@ -186,8 +171,7 @@ static void test_flat_and_noise_stay_flat(void **state) {
     }
 }
 
-static void test_threads_give_the_same(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_threads_give_the_same) {
     enc_data *data = planted("0:1,30:6,60:8", step, 0.02f);
     enc_relief_choice a, b;
     enc_relief_store first, second;
@@ -204,8 +188,7 @@ static void test_threads_give_the_same(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_what_is_not_asked_for_is_not_there(void **state) {
-    (void)state;
+TEST(test_what_is_not_asked_for_is_not_there) {
     static const enc_relief_options none = {.relief = false, .gloss = 2};
     enc_data *data = planted("0:1,30:6", step, 0);
     enc_relief_choice choice;
@@ -219,8 +202,7 @@ static void test_what_is_not_asked_for_is_not_there(void **state) {
 }
 
 /* A lobe about the mirrored light moves with the half vector alone; a Lambertian plane with nothing. */
-static void test_gloss_is_found_where_there_is_a_lobe(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_gloss_is_found_where_there_is_a_lobe) {
     for (int shiny = 0; shiny < 2; shiny++) {
         enc_direction *at;
         enc_data *data;
@@ -247,8 +229,7 @@ static void test_gloss_is_found_where_there_is_a_lobe(void **state) {
 
 /* The baked values of a view are those of the spline through views that show the same point: of a surface
  * whose views all show it as it is, moved by whole texels, every node has its own samples. */
-static void test_nodes_follow_the_surface(void **state) {
-    (void)state;
+TEST(test_nodes_follow_the_surface) {
     enc_data *data = planted("0:1,45:4", raised, 0), *fitted = NULL, *plain = NULL;
     const int n = data->n_views, lights = data->n_lights;
     float *views = malloc((size_t)(n * n) * sizeof *views),
@@ -288,8 +269,7 @@ static void test_nodes_follow_the_surface(void **state) {
     free(none);
 }
 
-static void test_levels_filter_heights(void **state) {
-    (void)state;
+TEST(test_levels_filter_heights) {
     uint8_t codes[25] = {0, 100, 0, 0, 200, 100, 0, 0, 0, 200};
     enc_relief_store store = {
         .width = 5, .height = 5, .heights = codes, .base = -100, .step = 256, .steps = 8};
@@ -310,8 +290,7 @@ static void test_levels_filter_heights(void **state) {
 
 /* Levels are judged one by one until one does not gain, by the same bits whatever the threads; not at all
  * where the file has one. */
-static void test_where_relief_ends(void **state) {
-    (void)state;
+TEST_OF_NUMBERS(test_where_relief_ends) {
     enc_data *data = planted(more, step, 0);
     enc_relief_choice a, b;
     enc_relief_store first, second;
@@ -337,8 +316,7 @@ static void test_where_relief_ends(void **state) {
 
 /* Judged by itself: a surface that is true lasts while it is deep, one that is not ends at once, and views
  * that it does not act on do not count. */
-static void test_levels_are_judged(void **state) {
-    (void)state;
+TEST(test_levels_are_judged) {
     enc_data *data = planted(rings, high, 0);
     uint8_t on[64], off[64] = {0};
     enc_seen *seen = malloc(sizeof *seen);
@@ -371,21 +349,4 @@ static void test_levels_are_judged(void **state) {
     enc_data_destroy(&data);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_step_is_found),
-        cmocka_unit_test(test_one_height_has_no_map),
-        cmocka_unit_test(test_what_is_not_asked_for_is_not_there),
-        cmocka_unit_test(test_nodes_follow_the_surface),
-        cmocka_unit_test(test_levels_filter_heights),
-        cmocka_unit_test(test_levels_are_judged),
-    };
-    const struct CMUnitTest numbers[] = {
-        cmocka_unit_test(test_extremes_are_drawn_in),
-        cmocka_unit_test(test_flat_and_noise_stay_flat),
-        cmocka_unit_test(test_threads_give_the_same),
-        cmocka_unit_test(test_gloss_is_found_where_there_is_a_lobe),
-        cmocka_unit_test(test_where_relief_ends),
-    };
-    return RUN_TESTS_AND_NUMBERS("relief_choice", tests, numbers);
-}
+RUN_TESTS(NULL, NULL)

@@ -3,43 +3,14 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/tools/render/environment.h"
 #include "tests/support/exr_bytes.h"
 #include "tests/support/image_files.h"
+#include "tests/support/messages.h"
+#include "tests/support/temporary.h"
+#include "tests/support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-static char file[256], messages[2000];
-
-static int make_file(void **state) {
-    (void)state;
-    const char *base = getenv("TMPDIR");
-    snprintf(file, sizeof file, "%s/btf-environment-XXXXXX", base && *base ? base : "/tmp");
-    const int fd = mkstemp(file);
-    return fd < 0 ? -1 : close(fd);
-}
-
-static int remove_file(void **state) {
-    (void)state;
-    return unlink(file);
-}
-
-static void keep(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    const size_t used = strlen(messages);
-    snprintf(messages + used, sizeof messages - used, "%d %s\n", (int)level, message);
-}
 
 static float value_of(int c, int x, int y) {
     (void)x;
@@ -49,14 +20,13 @@ static float value_of(int c, int x, int y) {
 
 /* Reads a map of a part with these channels; the lights' sum in *out_sum. */
 static btf_result read_map(const bytes_part *part, const char *layer, double out_sum[3]) {
-    const btf_log log = {keep, NULL};
     light_list list = {0};
     size_t size;
     void *bytes = exr_bytes(part, 1, &size);
-    write_whole_file(file, bytes, size);
+    write_whole_file(temporary_file, bytes, size);
     free(bytes);
-    messages[0] = '\0';
-    const btf_result result = light_list_read_environment(&list, file, layer, 4, 0, 1, &log);
+    forget_messages();
+    const btf_result result = light_list_read_environment(&list, temporary_file, layer, 4, 0, 1, &log_keep);
     for (int c = 0; c < 3; c++) {
         out_sum[c] = 0;
         for (size_t i = 0; i < list.count; i++) {
@@ -88,28 +58,26 @@ static void expect_sum(const double sum[3], double r, double g, double b) {
     assert_true(fabs(sum[0] - 4 * r) < 1e-3 && fabs(sum[1] - 4 * g) < 1e-3 && fabs(sum[2] - 4 * b) < 1e-3);
 }
 
-static void test_layers(void **state) {
-    (void)state;
+TEST(test_layers) {
     double sum[3];
     bytes_part p = map_of("B", "G", "R", NULL);
     assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
     expect_sum(sum, 4, 2, 1);
-    assert_string_equal(messages, "");
+    assert_string_equal(all_messages, "");
     p = map_of("sky.B", "sky.G", "sky.R", "sun.Y");
     assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
     expect_sum(sum, 4, 2, 1);
-    assert_non_null(strstr(messages, "layer sky"));
+    assert_non_null(strstr(all_messages, "layer sky"));
     assert_int_equal(read_map(&p, "sun", sum), BTF_OK); /* grey */
     expect_sum(sum, 8, 8, 8);
     assert_int_equal(read_map(&p, "sky.G", sum), BTF_OK);
     expect_sum(sum, 2, 2, 2);
     assert_int_equal(read_map(&p, "moon", sum), BTF_ERROR_UNSUPPORTED);
-    assert_non_null(strstr(messages, "sky.B, sky.G, sky.R, sun.Y"));
+    assert_non_null(strstr(all_messages, "sky.B, sky.G, sky.R, sun.Y"));
 }
 
 /* Chroma never reaches the library's unpacking, here either. */
-static void test_chroma(void **state) {
-    (void)state;
+TEST(test_chroma) {
     double sum[3];
     bytes_part p = map_of("A", "BY", "RY", "Y");
     p.channels[1].xs = p.channels[1].ys = p.channels[2].xs = p.channels[2].ys = 2;
@@ -118,8 +86,7 @@ static void test_chroma(void **state) {
     assert_true(fabs(sum[0] - 4 * 12) < 0.01 && fabs(sum[2] - 4 * 6) < 0.01);
 }
 
-static void test_meaning(void **state) {
-    (void)state;
+TEST(test_meaning) {
     static const float p3[8] = {0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f};
     double sum[3];
     bytes_part p = map_of("B", "G", "R", NULL);
@@ -128,16 +95,16 @@ static void test_meaning(void **state) {
     assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
     /* R = 1.22494 * 4 - 0.22494 * 2 of Display P3 */
     assert_true(fabs(sum[0] - 4 * 4.4499) < 0.01);
-    assert_non_null(strstr(messages, "converted to Rec. 709"));
+    assert_non_null(strstr(all_messages, "converted to Rec. 709"));
     p = map_of("B", "G", "R", NULL);
     p.attributes[p.attribute_count++] = (bytes_attribute){"envmap", "envmap", "\1", 1};
     assert_int_equal(read_map(&p, NULL, sum), BTF_ERROR_UNSUPPORTED);
-    assert_non_null(strstr(messages, "the faces of a cube"));
+    assert_non_null(strstr(all_messages, "the faces of a cube"));
     p.attributes[0].value = "\0";
     assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
     p = map_of("X", "Y", "Z", NULL);
     assert_int_equal(read_map(&p, NULL, sum), BTF_ERROR_UNSUPPORTED);
-    assert_non_null(strstr(messages, "colours are XYZ"));
+    assert_non_null(strstr(all_messages, "colours are XYZ"));
 }
 
 /* One sample below 0, one infinite, one that is no number. */
@@ -149,8 +116,7 @@ static float broken_value(int c, int x, int y) {
 }
 
 /* Samples that cannot be light are counted, and a shape that is not a sphere's is told. */
-static void test_contents(void **state) {
-    (void)state;
+TEST(test_contents) {
     double sum[3];
     bytes_part p = map_of("B", "G", "R", NULL);
     p.value = broken_value;
@@ -159,8 +125,8 @@ static void test_contents(void **state) {
     }
     assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
     assert_true(sum[0] < 4 && sum[0] > 3.5);
-    assert_non_null(strstr(messages, "3 samples that are below 0, infinite or not a number"));
-    assert_non_null(strstr(messages, "the first is nan in column 5, row 1"));
+    assert_non_null(strstr(all_messages, "3 samples that are below 0, infinite or not a number"));
+    assert_non_null(strstr(all_messages, "the first is nan in column 5, row 1"));
     const struct {
         int width, height;
         bool told;
@@ -170,22 +136,14 @@ static void test_contents(void **state) {
         p.width = sizes[k].width;
         p.height = sizes[k].height;
         assert_int_equal(read_map(&p, NULL, sum), BTF_OK);
-        assert_int_equal(strstr(messages, "latitude and longitude") != NULL, sizes[k].told);
+        assert_int_equal(strstr(all_messages, "latitude and longitude") != NULL, sizes[k].told);
     }
-    write_whole_file(file, "\x89PNG", 4);
-    const btf_log log = {keep, NULL};
+    write_whole_file(temporary_file, "\x89PNG", 4);
     light_list list = {0};
-    messages[0] = '\0';
-    assert_int_equal(light_list_read_environment(&list, file, NULL, 4, 0, 1, &log), BTF_ERROR_BAD_FILE);
-    assert_non_null(strstr(messages, "neither an OpenEXR nor a Radiance HDR file"));
+    forget_messages();
+    assert_int_equal(light_list_read_environment(&list, temporary_file, NULL, 4, 0, 1, &log_keep),
+                     BTF_ERROR_BAD_FILE);
+    assert_non_null(strstr(all_messages, "neither an OpenEXR nor a Radiance HDR file"));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_layers),
-        cmocka_unit_test(test_chroma),
-        cmocka_unit_test(test_meaning),
-        cmocka_unit_test(test_contents),
-    };
-    return cmocka_run_group_tests(tests, make_file, remove_file);
-}
+RUN_TESTS(make_temporary_file, remove_temporary_file)

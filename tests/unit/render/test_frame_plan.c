@@ -2,17 +2,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/tools/render/frame_plan.h"
 #include "tests/support/random_material.h"
-#include <math.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 /* A plane straight before a camera, parallel or not, under lights. */
 static plan_range see(double fov, double view_theta, double view_phi, const light *lights, size_t count,
@@ -44,8 +36,7 @@ static light far_away(double theta, double phi) {
     return (light){.at = vec_from_angles(theta, phi), .colour = {1, 1, 1}};
 }
 
-static void pictures_are_scenes(void **state) {
-    (void)state;
+TEST(pictures_are_scenes) {
     const light lights[2] = {far_away(30, 40), far_away(50, 100)};
     plan_range range = see(0, 20, 60, lights, 1, "plane");
     btf_scene scene = plan_range_scene(&range);
@@ -77,8 +68,7 @@ static void pictures_are_scenes(void **state) {
     assert_true(scene.view.phi[0] == scene.view.phi[1]);
 }
 
-static void ranges_are_widened(void **state) {
-    (void)state;
+TEST(ranges_are_widened) {
     const btf_range inner = {.theta = {31, 44}, .phi = {170, 190}};
     const btf_range rings = plan_range_widen(&inner, 10);
     assert_true(rings.theta[0] == 20 && rings.theta[1] == 60 && rings.phi[0] == rings.phi[1]);
@@ -105,8 +95,7 @@ static void ranges_are_widened(void **state) {
 }
 
 /* Three frames from the top, three from low down: two plans; a step of the camera alone: one. */
-static void frames_share_plans(void **state) {
-    (void)state;
+TEST(frames_share_plans) {
     random_state r = {3};
     btf_material_desc desc = random_material_desc(16, 16, 81, 81, BTF_LAYOUT_TIGHT, BTF_EFFECT_RESIDUAL);
     desc.info.colour = BTF_COLOUR_NONE;
@@ -156,9 +145,4 @@ static void frames_share_plans(void **state) {
     btf_material_close(&material);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(pictures_are_scenes),
-                                       cmocka_unit_test(ranges_are_widened),
-                                       cmocka_unit_test(frames_share_plans)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -8,12 +8,8 @@
 #include "decoder/tools/render/picture.h"
 #include "decoder/tools/render/table.h"
 #include "decoder/tools/mesh/tangents.h"
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "tests/support/test.h"
+#include "tests/support/uniform.h"
 
 static const char *const names[] = {"plane", "sphere", "torus", "drape"};
 
@@ -30,8 +26,7 @@ static mesh *make(const char *name) {
 }
 
 /* Frames are orthonormal, faces agree with normals, tangents with growing u; all within [-1, 1]. */
-static void test_built_in(void **state) {
-    (void)state;
+TEST(test_built_in) {
     for (size_t k = 0; k < 4; k++) {
         mesh *m = make(names[k]);
         assert_true(mesh_is_built_in(names[k]));
@@ -69,8 +64,7 @@ static void test_built_in(void **state) {
 }
 
 /* The frames that the formulas give are found again from positions and uv alone. */
-static void test_computed_frames(void **state) {
-    (void)state;
+TEST(test_computed_frames) {
     for (size_t k = 0; k < 4; k++) {
         mesh *truth = make(names[k]), *m = make(names[k]);
         mesh_compute_normals(m);
@@ -93,8 +87,7 @@ static void test_computed_frames(void **state) {
 }
 
 /* Mirrored uv makes a left-handed frame. */
-static void test_handedness(void **state) {
-    (void)state;
+TEST(test_handedness) {
     mesh *m = make("plane");
     for (uint32_t i = 0; i < m->vertex_count; i++) {
         m->vertices[i].uv[0] = -m->vertices[i].uv[0];
@@ -107,22 +100,16 @@ static void test_handedness(void **state) {
     mesh_destroy(&m);
 }
 
-static double random_number(uint32_t *seed) {
-    *seed = *seed * 1664525u + 1013904223u;
-    return (double)(*seed >> 8) / (1 << 24);
-}
-
 /* The hierarchy finds what trying every triangle finds. */
-static void test_rays(void **state) {
-    (void)state;
+TEST(test_rays) {
     mesh *m = make("torus");
     bvh *b = bvh_create(m);
     uint32_t seed = 7;
     int hits = 0;
     assert_non_null(b);
     for (int i = 0; i < 300; i++) {
-        vec3 from = vec(4 * random_number(&seed) - 2, 4 * random_number(&seed) - 2, 3);
-        vec3 to = vec(2 * random_number(&seed) - 1, 2 * random_number(&seed) - 1, 0);
+        vec3 from = vec(4 * uniform(&seed) - 2, 4 * uniform(&seed) - 2, 3);
+        vec3 to = vec(2 * uniform(&seed) - 1, 2 * uniform(&seed) - 1, 0);
         vec3 d = vec_unit(vec_sub(to, from), vec(0, 0, 1));
         bvh_hit hit, best = {INFINITY, 0, 0, UINT32_MAX};
         for (uint32_t f = 0; f < m->triangle_count; f++) {
@@ -151,19 +138,23 @@ static void test_rays(void **state) {
     mesh_destroy(&m);
 }
 
+/* Seen from above in size x size samples, a material repeated so often. */
+static table_scene scene_of(mesh *m, bvh *b, int size, double columns, double rows) {
+    return (table_scene){.mesh = m,
+                         .bvh = b,
+                         .camera = {0, 0, 0, 1},
+                         .repeat = {columns, rows},
+                         .width = size,
+                         .height = size,
+                         .threads = 2};
+}
+
 /* A plane seen straight on: every sample sits at its texel, lit as angles say. */
-static void test_plane_table(void **state) {
-    (void)state;
+TEST(test_plane_table) {
     enum { SIZE = 8 };
     mesh *m = make("plane");
     bvh *b = bvh_create(m);
-    table_scene scene = {.mesh = m,
-                         .bvh = b,
-                         .camera = {0, 0, 0, 1},
-                         .repeat = {2, 3},
-                         .width = SIZE,
-                         .height = SIZE,
-                         .threads = 2};
+    table_scene scene = scene_of(m, b, SIZE, 2, 3);
     table_sample samples[SIZE * SIZE], again[SIZE];
     float inputs[TABLE_INPUTS * SIZE * SIZE], weights[3 * SIZE * SIZE];
     table_cast(&scene, 0, SIZE, samples);
@@ -197,21 +188,14 @@ static void test_plane_table(void **state) {
 
 /* Levels of detail by footprint: 2 repeats of 64 columns over 8 samples are 16 texels a sample, level 4,
  * however the picture is turned; rows are shorter. From the side, the far rows take coarser levels. */
-static void test_levels(void **state) {
-    (void)state;
+TEST(test_levels) {
     enum { SIZE = 8 };
     mesh *m = make("plane");
     bvh *b = bvh_create(m);
-    table_scene scene = {.mesh = m,
-                         .bvh = b,
-                         .camera = {0, 0, 0, 1},
-                         .repeat = {2, 3},
-                         .width = SIZE,
-                         .height = SIZE,
-                         .texels = {64, 32},
-                         .levels = 7,
-                         .level = -1,
-                         .threads = 2};
+    table_scene scene = scene_of(m, b, SIZE, 2, 3);
+    scene.texels[0] = 64, scene.texels[1] = 32;
+    scene.levels = 7;
+    scene.level = -1;
     table_sample samples[SIZE * SIZE];
     for (int turn = 0; turn < 3; turn++) {
         scene.camera.theta = turn < 2 ? 0 : 180;
@@ -251,22 +235,16 @@ static void test_levels(void **state) {
 }
 
 /* The torus shades its own inside; a sphere nothing that faces the light. */
-static void test_cast_shadows(void **state) {
-    (void)state;
+TEST(test_cast_shadows) {
     enum { SIZE = 64 };
     static table_sample samples[SIZE * SIZE];
     static float inputs[TABLE_INPUTS * SIZE * SIZE], weights[3 * SIZE * SIZE];
     for (int k = 1; k < 3; k++) {
         mesh *m = make(names[k]);
         bvh *b = bvh_create(m);
-        table_scene scene = {.mesh = m,
-                             .bvh = b,
-                             .camera = {0, 0, 30, 0.9},
-                             .repeat = {1, 1},
-                             .width = SIZE,
-                             .height = SIZE,
-                             .cast_shadows = true,
-                             .threads = 2};
+        table_scene scene = scene_of(m, b, SIZE, 1, 1);
+        scene.camera = (camera){0, 0, 30, 0.9};
+        scene.cast_shadows = true;
         light l = {false, vec_from_angles(70, 0), {1, 1, 1}};
         int lit = 0, dark = 0, misses = 0;
         table_cast(&scene, 0, SIZE, samples);
@@ -289,8 +267,7 @@ static void test_cast_shadows(void **state) {
 }
 
 /* Median cut keeps the energy; a single bright pixel is where it was. */
-static void test_environment(void **state) {
-    (void)state;
+TEST(test_environment) {
     enum { W = 64, H = 32 };
     static float map[W * H * 3];
     light_list list = {0};
@@ -322,8 +299,7 @@ static void test_environment(void **state) {
     light_list_clear(&list);
 }
 
-static void test_light_words(void **state) {
-    (void)state;
+TEST(test_light_words) {
     light_list list = {0};
     assert_null(light_parse_directional("90,90,2,1,0.5,0", &list));
     assert_null(light_parse_point("1,2,3", &list));
@@ -341,8 +317,7 @@ static void test_light_words(void **state) {
     light_list_clear(&list);
 }
 
-static void test_camera(void **state) {
-    (void)state;
+TEST(test_camera) {
     for (int theta = 0; theta <= 180; theta += 30) {
         for (int phi = 0; phi < 360; phi += 30) {
             const camera c = {theta, phi, 30, 1};
@@ -356,8 +331,7 @@ static void test_camera(void **state) {
     }
 }
 
-static void test_picture(void **state) {
-    (void)state;
+TEST(test_picture) {
     assert_int_equal(picture_code(0), 0);
     assert_int_equal(picture_code(1), 255);
     assert_int_equal(picture_code(7), 255);
@@ -377,14 +351,4 @@ static void test_picture(void **state) {
                 !picture_knows(".png"));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_built_in),     cmocka_unit_test(test_computed_frames),
-        cmocka_unit_test(test_handedness),   cmocka_unit_test(test_rays),
-        cmocka_unit_test(test_plane_table),  cmocka_unit_test(test_levels),
-        cmocka_unit_test(test_cast_shadows), cmocka_unit_test(test_environment),
-        cmocka_unit_test(test_light_words),  cmocka_unit_test(test_camera),
-        cmocka_unit_test(test_picture),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -5,30 +5,16 @@
 #include "decoder/tools/mesh/obj.h"
 #include "decoder/tools/mesh/polygon.h"
 #include "decoder/tools/mesh/vec.h"
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-static char last[1200];
-
-static void keep(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    strncpy(last, message, sizeof last - 1);
-}
+#include "tests/support/messages.h"
+#include "tests/support/test.h"
 
 /* From a buffer of exactly the text's size, so that a sanitiser sees a byte too far. */
 static btf_result parse(const char *text, size_t size, mesh **out) {
-    const btf_log log = {keep, NULL};
     char *copy = malloc(size ? size : 1);
     assert_non_null(copy);
     memcpy(copy, text, size);
-    last[0] = '\0';
-    btf_result result = mesh_parse_obj("a.obj", copy, size, &log, out);
+    last_message[0] = '\0';
+    btf_result result = mesh_parse_obj("a.obj", copy, size, &log_keep, out);
     free(copy);
     return result;
 }
@@ -39,8 +25,7 @@ static const char quad[] = "# a quad\r\n"
                            "vt 0 0\nvt 1 0 0\nvt 1 1\nvt 0 1\n"
                            "s 1\nf 1/1 2/2 3/3 \\\n 4/4\n";
 
-static void test_quad(void **state) {
-    (void)state;
+TEST(test_quad) {
     mesh *m;
     assert_int_equal(parse(quad, strlen(quad), &m), BTF_OK);
     assert_int_equal(m->vertex_count, 4);
@@ -56,8 +41,7 @@ static void test_quad(void **state) {
 }
 
 /* Lines that end in CR alone, a line that goes on right behind a word, and surfaces, which are told once. */
-static void test_lines(void **state) {
-    (void)state;
+TEST(test_lines) {
     static const char mac[] = "v 0 0 0\rv 1 0 0\rv 0 1 0\r# x\rvt 0 0\rf 1/1\\\r2/1 \\\r 3/1\r";
     static const char joined[] = "v 0 0\\\n0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1\\\r\n2/1 3/1\\\n\n";
     static const char curves[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n"
@@ -70,13 +54,12 @@ static void test_lines(void **state) {
     assert_int_equal(m->vertex_count, 3);
     mesh_destroy(&m);
     assert_int_equal(parse(curves, strlen(curves), &m), BTF_OK);
-    assert_string_equal(last, "a.obj:6: 'surf': free-form curves and surfaces are left out");
+    assert_string_equal(last_message, "a.obj:6: 'surf': free-form curves and surfaces are left out");
     mesh_destroy(&m);
 }
 
 /* Negative indices, given normals, and the last line without an end. */
-static void test_references(void **state) {
-    (void)state;
+TEST(test_references) {
     static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 -4\n"
                                "f -3/-3/-1 -2/-2/-1 -1/-1/-1\nf 1/1/1 2/2/1 3/3/1";
     mesh *m;
@@ -88,8 +71,7 @@ static void test_references(void **state) {
 }
 
 /* A seam of uv splits vertices but not the averaged normal. */
-static void test_seam(void **state) {
-    (void)state;
+TEST(test_seam) {
     static const char text[] = "v 0 0 0\nv 0 1 0\nv 1 0 1\nv -1 0 1\nvt 0 0\nvt 0 1\nvt 1 0\nvt .5 .5\n"
                                "f 1/1 3/3 2/2\nf 1/4 2/2 4/3\n";
     mesh *m;
@@ -103,8 +85,7 @@ static void test_seam(void **state) {
 }
 
 /* Each with what the message must hold. */
-static void test_broken(void **state) {
-    (void)state;
+TEST(test_broken) {
     static const struct {
         const char *text, *message;
         btf_result result;
@@ -132,8 +113,8 @@ static void test_broken(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         mesh *m;
         btf_result result = parse(cases[i].text, strlen(cases[i].text), &m);
-        if (result != cases[i].result || !strstr(last, cases[i].message)) {
-            fail_msg("case %zu: result %d, message '%s'", i, (int)result, last);
+        if (result != cases[i].result || !strstr(last_message, cases[i].message)) {
+            fail_msg("case %zu: result %d, message '%s'", i, (int)result, last_message);
         }
         assert_null(m);
     }
@@ -141,12 +122,11 @@ static void test_broken(void **state) {
         "v 1 2 1.0000000000000000000000000000000000000000000000000000000000000000e5\n";
     mesh *m;
     assert_int_equal(parse(numbers, strlen(numbers), &m), BTF_ERROR_BAD_FILE);
-    assert_non_null(strstr(last, "is longer than 62 characters"));
+    assert_non_null(strstr(last_message, "is longer than 62 characters"));
 }
 
 /* A byte-order mark is no part of the first word; other encodings are named. */
-static void test_marks(void **state) {
-    (void)state;
+TEST(test_marks) {
     char text[sizeof quad + 3] = "\xef\xbb\xbf";
     mesh *m;
     strcat(text, quad + strlen("# a quad\r\n"
@@ -155,7 +135,7 @@ static void test_marks(void **state) {
     assert_int_equal(m->vertex_count, 4);
     mesh_destroy(&m);
     assert_int_equal(parse("\xff\xfev\0 \0", 6, &m), BTF_ERROR_UNSUPPORTED);
-    assert_non_null(strstr(last, "a.obj:1: the text is UTF-16"));
+    assert_non_null(strstr(last_message, "a.obj:1: the text is UTF-16"));
     assert_int_equal(parse("\0v\0 \0", 5, &m), BTF_ERROR_UNSUPPORTED);
     assert_null(m);
 }
@@ -201,8 +181,7 @@ static void expect_cover(const char *name, const double *xy, uint32_t count) {
     free(triangles);
 }
 
-static void test_concave(void **state) {
-    (void)state;
+TEST(test_concave) {
     enum { MOST = 20000 };
     static const double dart[5][2] = {{1, -1}, {1, 1}, {0, -0.6}, {-1, 1}, {-1, -1}};
     static const double middle[8][2] = {{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
@@ -251,8 +230,7 @@ static void test_concave(void **state) {
 }
 
 /* Convex polygons are fans as ever, those without area or with crossings come to an end. */
-static void test_other_polygons(void **state) {
-    (void)state;
+TEST(test_other_polygons) {
     uint32_t triangles[3 * 62];
     vec3 corners[64];
     for (uint32_t i = 0; i < 64; i++) {
@@ -283,8 +261,7 @@ static void test_other_polygons(void **state) {
 }
 
 /* A face with more corners than the reader once took, and one that a fan would not cover, from a file. */
-static void test_faces(void **state) {
-    (void)state;
+TEST(test_faces) {
     char text[20000] = "vt 0 0\n";
     mesh *m;
     for (int i = 0; i < 200; i++) {
@@ -311,8 +288,7 @@ static void test_faces(void **state) {
 }
 
 /* Every prefix, and every byte changed: an answer, no crash, and a mesh only of what is there. */
-static void test_hostile(void **state) {
-    (void)state;
+TEST(test_hostile) {
     static const unsigned char values[] = {0, '\n', '/', '-', '9', '\\', 0xff};
     for (size_t size = 0; size < strlen(quad); size++) {
         mesh *m;
@@ -330,29 +306,17 @@ static void test_hostile(void **state) {
                     assert_true(m->triangles[c] < m->vertex_count);
                 }
             } else {
-                assert_true(last[0] != '\0');
+                assert_true(last_message[0] != '\0');
             }
             mesh_destroy(&m);
         }
     }
 }
 
-static void test_missing(void **state) {
-    (void)state;
-    const btf_log log = {keep, NULL};
+TEST(test_missing) {
     mesh *m;
-    assert_int_equal(mesh_read_obj("no/such.obj", &log, &m), BTF_ERROR_IO);
-    assert_non_null(strstr(last, "no/such.obj: No such file"));
+    assert_int_equal(mesh_read_obj("no/such.obj", &log_keep, &m), BTF_ERROR_IO);
+    assert_non_null(strstr(last_message, "no/such.obj: No such file"));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lines),      cmocka_unit_test(test_quad),
-        cmocka_unit_test(test_references), cmocka_unit_test(test_seam),
-        cmocka_unit_test(test_broken),     cmocka_unit_test(test_marks),
-        cmocka_unit_test(test_concave),    cmocka_unit_test(test_other_polygons),
-        cmocka_unit_test(test_faces),      cmocka_unit_test(test_hostile),
-        cmocka_unit_test(test_missing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

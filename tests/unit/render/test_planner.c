@@ -2,16 +2,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/tools/view/planner.h"
 #include "tests/support/random_material.h"
-#include <math.h>
+#include "tests/support/test.h"
 
 static btf_material *make_material(void) {
     random_state r = {5};
@@ -51,8 +44,7 @@ static const btf_scene *scene_of(const planner *p) {
     return &p->slot[p->current].plan.scene;
 }
 
-static void plans_follow_the_camera(void **state) {
-    (void)state;
+TEST(plans_follow_the_camera) {
     btf_material *whole = make_material();
     planner p = planner_begin();
     assert_int_equal(go(&p, whole, flat(20, 30, 30), false), PLANNER_MAKE);
@@ -81,8 +73,7 @@ static void plans_follow_the_camera(void **state) {
     btf_material_close(&whole);
 }
 
-static void light_at_rest_is_folded(void **state) {
-    (void)state;
+TEST(light_at_rest_is_folded) {
     btf_material *whole = make_material();
     planner p = planner_begin();
     assert_int_equal(go(&p, whole, flat(20, 30, 30), false), PLANNER_MAKE);
@@ -111,8 +102,4 @@ static void light_at_rest_is_folded(void **state) {
     btf_material_close(&whole);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(plans_follow_the_camera),
-                                       cmocka_unit_test(light_at_rest_is_folded)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -3,17 +3,9 @@
  * SPDX-License-Identifier: MIT
  */
 #include "decoder/tools/render/render.h"
+#include "tests/support/test.h"
 
 #include <openbtf/material.h>
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { WIDTH = 32, HEIGHT = 16, SIDE = 4, SIZE = 24, PIXELS = SIZE * SIZE };
 
@@ -210,38 +202,33 @@ static void check(const sky *of, const char *mesh_name, bool shadows, double rot
     free(lights.lights);
 }
 
-static void test_plane(void **state) {
-    (void)state;
+TEST(test_plane) {
     check(&fine, "plane", false, 0, 1, 0);
 }
 
-static void test_turned(void **state) {
-    (void)state;
+TEST(test_turned) {
     check(&fine, "plane", false, 130, 0.5, 40);
 }
 
-static void test_shadows(void **state) {
-    (void)state;
+TEST(test_shadows) {
     check(&fine, "torus", true, -30, 2, 0);
 }
 
 /* Within a pixel, too, directions are spread evenly over the solid angle. */
-static void test_coarse(void **state) {
+TEST(test_coarse) {
     static const float pixels[1][6][3] = {
         {{1, 0, 2}, {0, 3, 1}, {9, 1, 1}, {2, 2, 0}, {0, 0, 3}, {4, 0, 0}}};
     const sky coarse = {6, 1, 18, pixels[0][0]};
-    (void)state;
     check(&coarse, "plane", false, 135, 1, 0);
 }
 
 /* A direction depends on where the sample stands in the picture, not on which rows are made at a time. */
-static void test_rows(void **state) {
+TEST(test_rows) {
     enum { ROWS = 4, ALL = ROWS * SIZE };
     table_sample samples[ALL];
     float inputs[2][ALL][TABLE_INPUTS], weights[2][ALL][3];
     const table_scene scene = {.width = SIZE, .height = ROWS, .threads = 1};
     sampled_environment *e;
-    (void)state;
     for (int i = 0; i < ALL; i++) {
         samples[i] = (table_sample){.uv = {0.5f, 0.5f},
                                     .view = {0.6f, 0, 0.8f},
@@ -265,9 +252,8 @@ static void test_rows(void **state) {
 }
 
 /* A black map gives a black picture; a map that is not a number in part is as good as black there. */
-static void test_black(void **state) {
+TEST(test_black) {
     static float black[2][4][3];
-    (void)state;
     black[1][1][0] = NAN;
     black[0][2][1] = INFINITY;
     const light_list none = {0};
@@ -297,10 +283,4 @@ static void test_black(void **state) {
     mesh_destroy(&m);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plane),  cmocka_unit_test(test_turned), cmocka_unit_test(test_shadows),
-        cmocka_unit_test(test_coarse), cmocka_unit_test(test_rows),   cmocka_unit_test(test_black),
-    };
-    return cmocka_run_group_tests(tests, make, clear);
-}
+RUN_TESTS(make, clear)

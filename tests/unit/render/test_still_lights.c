@@ -7,15 +7,7 @@
 #include "decoder/toolkit/file.h"
 #include "decoder/tools/render/shade_fold.h"
 #include "tests/support/random_material.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 
 enum { SIZE = 20, SAMPLES = SIZE * SIZE, LIGHTS = 4 };
 
@@ -73,8 +65,7 @@ static void tear_down(place *p) {
     mesh_destroy(&p->mesh);
 }
 
-static void lights_on_a_plane_are_found(void **state) {
-    (void)state;
+TEST(lights_on_a_plane_are_found) {
     place p;
     still_lights found;
     set_up(&p, "plane", 0);
@@ -129,8 +120,7 @@ static shader_request request_for(const btf_material *material, const still_ligh
     return request;
 }
 
-static void sums_have_the_bits_of_one_by_one(void **state) {
-    (void)state;
+TEST(sums_have_the_bits_of_one_by_one) {
     place p;
     still_lights found;
     shader *summed = NULL, *single = NULL;
@@ -173,8 +163,7 @@ static void sums_have_the_bits_of_one_by_one(void **state) {
 }
 
 /* --fold always says why it is not followed; --fold auto keeps silent. */
-static void folds_that_are_not_made_say_why(void **state) {
-    (void)state;
+TEST(folds_that_are_not_made_say_why) {
     file_kept said;
     const btf_log log = file_log_keep(&said);
     btf_material *large = make(900, 900, BTF_EFFECT_RESIDUAL, BTF_COLOUR_NONE);
@@ -206,9 +195,4 @@ static void folds_that_are_not_made_say_why(void **state) {
     btf_material_close(&material);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(lights_on_a_plane_are_found),
-                                       cmocka_unit_test(sums_have_the_bits_of_one_by_one),
-                                       cmocka_unit_test(folds_that_are_not_made_say_why)};
-    return cmocka_run_group_tests_name("still lights", tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -5,13 +5,7 @@
 #include "decoder/toolkit/font.h"
 #include "decoder/tools/view/costs.h"
 #include "decoder/tools/view/state.h"
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "tests/support/test.h"
 
 static char text[160];
 
@@ -23,8 +17,7 @@ static view_state fresh(void) {
 }
 
 /* Twice the same switch is where it was; every key of the help does something. */
-static void test_switches(void **state) {
-    (void)state;
+TEST(test_switches) {
     for (const char *key = "1234567NXLTAIH"; *key; key++) {
         view_state s = fresh(), before = s;
         assert_int_equal(view_state_key(&s, *key, text, sizeof text), VIEW_CHANGED);
@@ -52,8 +45,7 @@ static void test_switches(void **state) {
 }
 
 /* Only what is there can be chosen. */
-static void test_choices(void **state) {
-    (void)state;
+TEST(test_choices) {
     view_state s = fresh();
     for (int i = 0; i < 4; i++) {
         view_state_key(&s, 'M', text, sizeof text);
@@ -77,8 +69,7 @@ static void test_choices(void **state) {
     assert_int_equal(s.split, VIEW_SPLIT_ORIGINAL);
 }
 
-static void test_gestures(void **state) {
-    (void)state;
+TEST(test_gestures) {
     view_state s = fresh();
     view_state_drag(&s, VIEW_DRAG_ORBIT, -0.25,
                     0); /* a quarter of half a turn to the left: the camera goes right */
@@ -132,8 +123,7 @@ static btf_material *make_material(void) {
     return material;
 }
 
-static void test_costs(void **state) {
-    (void)state;
+TEST(test_costs) {
     btf_material *material = make_material();
     costs c;
     char panel[600];
@@ -155,8 +145,7 @@ static void test_costs(void **state) {
 }
 
 /* Every character has its own shape, blank only the space. */
-static void test_font(void **state) {
-    (void)state;
+TEST(test_font) {
     for (char a = ' '; a <= '~'; a++) {
         int set = 0;
         for (int y = -1; y < FONT_HEIGHT; y++) {
@@ -179,10 +168,4 @@ static void test_font(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_switches), cmocka_unit_test(test_choices), cmocka_unit_test(test_gestures),
-        cmocka_unit_test(test_costs),    cmocka_unit_test(test_font),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

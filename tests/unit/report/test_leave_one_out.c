@@ -3,13 +3,6 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/between/blend.h"
 #include "encoder/nodes/left_out.h"
@@ -18,9 +11,7 @@
 #include "tests/sample/directions.h"
 #include "tests/sample/sample.h"
 #include "tests/support/random_material.h"
-
-#include <math.h>
-#include <stdlib.h>
+#include "tests/support/test.h"
 
 static const enc_context context = {.threads = 2};
 
@@ -39,8 +30,7 @@ static enc_left_out left_out(const char *list) {
     return out;
 }
 
-static void test_which_can_be_left_out(void **state) {
-    (void)state;
+TEST(test_which_can_be_left_out) {
     assert_int_equal(left_out("ubo").count, 81); /* a ring bridges the gap at its rim */
     assert_int_equal(left_out("tiny").count, 1); /* the pole; nothing is near the four around it */
     assert_int_equal(left_out("tiny").index[0], 0);
@@ -128,8 +118,7 @@ static double error_without(const enc_data *data, int view, int light, int left)
 }
 
 /* All predictions, one data set for each: the estimate draws 65,536 of their texels and pairs. */
-static void test_against_the_long_way(void **state) {
-    (void)state;
+TEST(test_against_the_long_way) {
     enc_data *data = render(RELIEF_BUMPS, "0:1,50:8", "0:1,55:7", 16);
     enc_leave_one_out measured;
     assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, &measured), BTF_OK);
@@ -152,8 +141,7 @@ static void test_against_the_long_way(void **state) {
 }
 
 /* A material that decodes to the data has the data's own errors. */
-static void test_an_exact_material(void **state) {
-    (void)state;
+TEST(test_an_exact_material) {
     random_state r = {5};
     btf_material_desc desc = random_material_desc(6, 5, 19, 19, BTF_LAYOUT_TIGHT, BTF_EFFECT_RESIDUAL);
     desc.info.colour = BTF_COLOUR_NONE;
@@ -232,8 +220,7 @@ static enc_data *data_of(const btf_material_desc *desc) {
 }
 
 /* Of a material with gloss the row without it is that of the same material that holds none. */
-static void test_without_gloss(void **state) {
-    (void)state;
+TEST(test_without_gloss) {
     random_state r = {6};
     btf_material_desc desc =
         random_material_desc(6, 5, 19, 19, BTF_LAYOUT_TIGHT, BTF_EFFECT_RESIDUAL | BTF_EFFECT_GLOSS);
@@ -276,8 +263,7 @@ static void test_without_gloss(void **state) {
 }
 
 /* A light that is left out is found by the others, and what stands around it where the half vector does not move. */
-static void test_lights_of_gloss(void **state) {
-    (void)state;
+TEST(test_lights_of_gloss) {
     enc_data *data = render(RELIEF_FLAT, "small", "small", 8);
     const enc_left_out left = left_out("small");
     enc_left_out_lights *gloss = NULL;
@@ -315,8 +301,7 @@ static void test_lights_of_gloss(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_threads_and_memory(void **state) {
-    (void)state;
+TEST(test_threads_and_memory) {
     enc_data *data = render(RELIEF_BRICKS, "small", "small", 8);
     const enc_context alone = {.threads = 1};
     enc_leave_one_out two, one;
@@ -327,8 +312,7 @@ static void test_threads_and_memory(void **state) {
 }
 
 /* Bands are of rings, and all together their mean, weighted by the pairs that they have. */
-static void test_bands(void **state) {
-    (void)state;
+TEST(test_bands) {
     enc_data *data = render(RELIEF_BUMPS, "0:1,30:6,60:12", "0:1,45:5", 8);
     enc_leave_one_out measured;
     static const int views[3] = {1, 6, 12}, lights[2] = {1, 5};
@@ -356,8 +340,7 @@ static void test_bands(void **state) {
 }
 
 /* One light cannot be left out: the views are, alone. */
-static void test_one_light(void **state) {
-    (void)state;
+TEST(test_one_light) {
     enc_data *data = render(RELIEF_FLAT, "small", "0:1", 8);
     enc_leave_one_out measured;
     assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, &measured), BTF_OK);
@@ -368,16 +351,4 @@ static void test_one_light(void **state) {
     enc_data_destroy(&data);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_which_can_be_left_out),
-        cmocka_unit_test(test_against_the_long_way),
-        cmocka_unit_test(test_an_exact_material),
-        cmocka_unit_test(test_without_gloss),
-        cmocka_unit_test(test_lights_of_gloss),
-        cmocka_unit_test(test_threads_and_memory),
-        cmocka_unit_test(test_bands),
-        cmocka_unit_test(test_one_light),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

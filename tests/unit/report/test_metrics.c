@@ -2,19 +2,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/report/metrics.h"
 #include "encoder/math/srgb.h"
 #include "encoder/report/ssim.h"
-
-#include <math.h>
-#include <stdlib.h>
+#include "tests/support/test.h"
 
 static const enc_context context = {.threads = 2};
 
@@ -38,8 +29,7 @@ static enc_metrics compare(const enc_data *a, const enc_data *b) {
     return metrics;
 }
 
-static void test_srgb(void **state) {
-    (void)state;
+TEST(test_srgb) {
     for (int i = 0; i <= 100000; i++) {
         const double x = i / 100000.0;
         const double coded = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
@@ -49,8 +39,7 @@ static void test_srgb(void **state) {
                 enc_srgb_encode(NAN) == 0);
 }
 
-static void test_constant_difference(void **state) {
-    (void)state;
+TEST(test_constant_difference) {
     enc_data *a = constant(0.5f), *b = constant(0.6f);
     const enc_metrics m = compare(a, b);
     assert_true(fabs(enc_psnr_linear(&m.total) - 20.0) < 1e-4);
@@ -61,8 +50,7 @@ static void test_constant_difference(void **state) {
     enc_data_destroy(&b);
 }
 
-static void test_equal_and_clipped(void **state) {
-    (void)state;
+TEST(test_equal_and_clipped) {
     enc_data *a = constant(1.5f), *b = constant(4.0f);
     const enc_metrics m = compare(a, b);
     assert_true(enc_psnr_linear(&m.total) == 100 && enc_psnr_srgb(&m.total) == 100);
@@ -72,8 +60,7 @@ static void test_equal_and_clipped(void **state) {
 }
 
 /* An error in one view and one light shows up in their rings only. */
-static void test_rings(void **state) {
-    (void)state;
+TEST(test_rings) {
     enc_data *a = constant(0.5f), *b = constant(0.5f);
     const size_t stride = enc_data_texel_stride(b);
     for (size_t t = 0; t < enc_data_texel_count(b); t++) {
@@ -93,8 +80,7 @@ static void test_rings(void **state) {
 }
 
 /* Constant images a and b: SSIM = (2ab + c1) / (a^2 + b^2 + c1). */
-static void test_ssim(void **state) {
-    (void)state;
+TEST(test_ssim) {
     float a[20 * 12 * 3], b[20 * 12 * 3];
     for (int i = 0; i < 20 * 12 * 3; i++) {
         a[i] = 0.5f;
@@ -116,13 +102,4 @@ static void test_ssim(void **state) {
     enc_ssim_destroy(&ssim);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_srgb),
-        cmocka_unit_test(test_constant_difference),
-        cmocka_unit_test(test_equal_and_clipped),
-        cmocka_unit_test(test_rings),
-        cmocka_unit_test(test_ssim),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -3,32 +3,16 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "encoder/report/canvas.h"
 #include "encoder/report/metrics.h"
 #include "encoder/report/montage.h"
 #include "encoder/report/report.h"
+#include "tests/support/messages.h"
+#include "tests/support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-static char last_message[1024];
-
-static void keep_message(void *user, btf_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    snprintf(last_message, sizeof last_message, "%s", message);
-}
-
-static const enc_context context = {.log = {.callback = keep_message}, .threads = 2};
+static const enc_context context = {.log = {keep_message, NULL}, .threads = 2};
 
 static enc_data *make_data(int width, int height) {
     const enc_direction views[2] = {enc_direction_from_angles(0, 0), enc_direction_from_angles(40, 90)};
@@ -49,8 +33,7 @@ static btf_result failing_view(const void *user, int view, float *out) {
     return view == 1 ? BTF_ERROR_IO : BTF_OK;
 }
 
-static void test_bytes(void **state) {
-    (void)state;
+TEST(test_bytes) {
     btf_material_info info = {
         .struct_size = sizeof info, .width = 64, .height = 64, .n_views = 81, .n_lights = 81};
     info.lobes = 3;
@@ -73,8 +56,7 @@ static enc_report_step step_of(const char *name, uint32_t effects, double error)
 }
 
 /* With shadow alone, "without shadow" is the ladder's SBRDF step: one row, not two. */
-static void test_rows(void **state) {
-    (void)state;
+TEST(test_rows) {
     enc_report *report = calloc(1, sizeof *report);
     assert_non_null(report);
     report->ladder[0] = step_of("sbrdf", 0, 0.01);
@@ -92,8 +74,7 @@ static void test_rows(void **state) {
 }
 
 /* The figures are the same bits for any --memory. */
-static void test_memory(void **state) {
-    (void)state;
+TEST(test_memory) {
     enc_data *a = make_data(9, 4), *b = make_data(9, 4);
     for (size_t i = 0; i < enc_data_texel_count(b) * enc_data_texel_stride(b); i += 3) {
         b->samples[i] *= 0.75f;
@@ -113,8 +94,7 @@ static void test_memory(void **state) {
     enc_data_destroy(&b);
 }
 
-static void test_failing_source(void **state) {
-    (void)state;
+TEST(test_failing_source) {
     char folder[] = "report-XXXXXX", path[64];
     assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/montage.png", folder);
@@ -140,8 +120,7 @@ static void test_failing_source(void **state) {
 }
 
 /* Drawing outside a canvas is cut off, on every side. */
-static void test_canvas(void **state) {
-    (void)state;
+TEST(test_canvas) {
     enc_canvas canvas;
     const float white[3] = {1, 1, 1}, black[4 * 3] = {0};
     assert_int_equal(enc_canvas_create(&context, 5, 4, &canvas), BTF_OK);
@@ -181,8 +160,7 @@ static void caption_box(const char *text, int box[4]) {
 }
 
 /* Capitals stand on the base line, tails of letters reach below it, letters follow each other. */
-static void test_caption(void **state) {
-    (void)state;
+TEST(test_caption) {
     int box[4];
     caption_box("A", box);
     assert_int_equal(box[0], 2);
@@ -196,11 +174,4 @@ static void test_caption(void **state) {
     assert_int_equal(box[2], 2 + 3 * ENC_CANVAS_LETTER_WIDTH - 3);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_caption), cmocka_unit_test(test_bytes),
-        cmocka_unit_test(test_rows),    cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_canvas),  cmocka_unit_test(test_failing_source),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

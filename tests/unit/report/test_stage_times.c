@@ -4,25 +4,11 @@
  * SPDX-License-Identifier: MIT
  */
 #include "encoder/report/stage_times.h"
+#include "tests/support/messages.h"
+#include "tests/support/test.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
-static char message[512];
-
-static void keep_message(void *user, btf_log_level level, const char *text) {
-    (void)user;
-    if (level == BTF_LOG_ERROR) {
-        snprintf(message, sizeof message, "%s", text);
-    }
-}
 static const enc_context context = {.log = {keep_message, NULL}, .threads = 1};
 
 /* Reads `length` bytes of text as a report. */
@@ -32,24 +18,23 @@ static btf_result read_bytes(const char *text, size_t length, enc_report_times *
     assert_true(fd >= 0);
     assert_int_equal(write(fd, text, length), length);
     close(fd);
-    message[0] = '\0';
+    last_message[0] = '\0';
     const btf_result result = enc_report_times_read(&context, path, out);
     unlink(path);
-    assert_int_equal(result != BTF_OK, strstr(message, path) != NULL); /* the file is named */
+    assert_int_equal(result != BTF_OK, strstr(last_message, path) != NULL); /* the file is named */
     return result;
 }
 
 static void refused(const char *text, const char *said) {
     enc_report_times times;
     assert_int_equal(read_bytes(text, strlen(text), &times), BTF_ERROR_BAD_FILE);
-    if (!strstr(message, said)) {
-        fail_msg("%s: '%s' does not say '%s'", text, message, said);
+    if (!strstr(last_message, said)) {
+        fail_msg("%s: '%s' does not say '%s'", text, last_message, said);
     }
 }
 
 /* A report is read with its members in any order, with any spaces and escapes. */
-static void test_any_writing(void **state) {
-    (void)state;
+TEST(test_any_writing) {
     static const char *const texts[] = {
         "{\"method\": \"joint\", \"core_seconds\": {\"total\": 2.5, \"read\": 0.5}, "
         "\"predicted_core_seconds\": {\"read\": 1e-1}}",
@@ -70,8 +55,7 @@ static void test_any_writing(void **state) {
     }
 }
 
-static void test_not_json(void **state) {
-    (void)state;
+TEST(test_not_json) {
     enc_report_times times;
     refused("", "line 1: is not JSON");
     refused("{\"method\": \"joint\",\n\"core_seconds\": {\"total\": 1,}\n}", "line 2: is not JSON");
@@ -79,7 +63,7 @@ static void test_not_json(void **state) {
     refused("[1, 2]", "not a JSON object");
     static const char zero[] = "{}\0{}";
     assert_int_equal(read_bytes(zero, sizeof zero - 1, &times), BTF_ERROR_BAD_FILE);
-    assert_non_null(strstr(message, "is not JSON"));
+    assert_non_null(strstr(last_message, "is not JSON"));
     char *deep = calloc(1, 20001);
     memset(deep, '[', 10000);
     memset(deep + 10000, ']', 10000);
@@ -87,8 +71,7 @@ static void test_not_json(void **state) {
     free(deep);
 }
 
-static void test_members(void **state) {
-    (void)state;
+TEST(test_members) {
 #define REPORT(method, measured, predicted)                                                                \
     "{\"method\": " method ", \"core_seconds\": " measured ", \"predicted_core_seconds\": " predicted "}"
     refused("{}", "member method is missing");
@@ -111,8 +94,7 @@ static void test_members(void **state) {
 }
 
 /* One stage more than there is room for. */
-static void test_many_stages(void **state) {
-    (void)state;
+TEST(test_many_stages) {
     char text[4096] = "{\"method\": \"joint\", \"core_seconds\": {\"total\": 1";
     for (int i = 0; i < ENC_STAGE_TIMES; i++) {
         sprintf(text + strlen(text), ", \"s%d\": 1", i);
@@ -121,19 +103,12 @@ static void test_many_stages(void **state) {
     refused(text, "member core_seconds lists more stages");
 }
 
-static void test_no_file(void **state) {
-    (void)state;
+TEST(test_no_file) {
     enc_report_times times;
     assert_int_equal(enc_report_times_read(&context, "/nonexistent/report.json", &times), BTF_ERROR_IO);
-    assert_non_null(strstr(message, "/nonexistent/report.json: No such file"));
+    assert_non_null(strstr(last_message, "/nonexistent/report.json: No such file"));
     assert_int_equal(enc_report_times_read(&context, "/", &times), BTF_ERROR_IO);
-    assert_non_null(strstr(message, "/: Is a directory"));
+    assert_non_null(strstr(last_message, "/: Is a directory"));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_any_writing), cmocka_unit_test(test_not_json), cmocka_unit_test(test_members),
-        cmocka_unit_test(test_many_stages), cmocka_unit_test(test_no_file),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -7,17 +7,9 @@
 #include "tests/sample/pairs.h"
 #include "tests/sample/sample.h"
 #include "tests/sample/truth_files.h"
+#include "tests/support/test.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-/* cmocka needs the headers above */
-#include <cmocka.h>
 
 static const double PI = 3.14159265358979323846;
 
@@ -81,8 +73,7 @@ static float sample_at(const enc_data *d, int column, int row, int view, int cha
         ->samples[texel * enc_data_texel_stride(d) + ((size_t)view * 3 + channel) * d->n_lights + light];
 }
 
-static void test_white_is_the_cosine(void **state) {
-    (void)state;
+TEST(test_white_is_the_cosine) {
     enc_data *data = NULL;
     sample_truth *truth = NULL;
     render(RELIEF_WHITE, 6, 2, "small", "ubo", 1, &data, &truth);
@@ -102,8 +93,7 @@ static void test_white_is_the_cosine(void **state) {
     sample_truth_destroy(&truth);
 }
 
-static void test_flat_has_no_shadow_and_no_shift(void **state) {
-    (void)state;
+TEST(test_flat_has_no_shadow_and_no_shift) {
     enc_data *data = NULL;
     sample_truth *truth = NULL;
     render(RELIEF_FLAT, 8, 2, "small", "small", 1, &data, &truth);
@@ -127,8 +117,7 @@ static void test_flat_has_no_shadow_and_no_shift(void **state) {
 }
 
 /* relief.h says what RELIEF_AXES shows; views and lights are 0: pole, 1..4: theta 45, phi 0, 90, 180, 270. */
-static void test_axes(void **state) {
-    (void)state;
+TEST(test_axes) {
     enc_data *data = NULL;
     sample_truth *truth = NULL;
     render(RELIEF_AXES, 64, 2, "tiny", "tiny", 1, &data, &truth);
@@ -175,8 +164,7 @@ static void test_axes(void **state) {
     sample_truth_destroy(&truth);
 }
 
-static void test_visibility_against_marching(void **state) {
-    (void)state;
+TEST(test_visibility_against_marching) {
     static const relief_kind kinds[] = {RELIEF_BRICKS, RELIEF_BUMPS, RELIEF_WEAVE, RELIEF_AXES};
     int seed = 0;
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; ++k) {
@@ -206,8 +194,7 @@ static void test_visibility_against_marching(void **state) {
     }
 }
 
-static void test_normals_are_slopes(void **state) {
-    (void)state;
+TEST(test_normals_are_slopes) {
     relief *r = NULL;
     int seed = 100000;
     assert_int_equal(relief_create(RELIEF_BUMPS, 0, 256, 1, &r), BTF_OK);
@@ -242,8 +229,7 @@ static bool lit_by_marching(const relief *r, const double p[3], const double l[3
     }
 }
 
-static void test_shadows_against_marching(void **state) {
-    (void)state;
+TEST(test_shadows_against_marching) {
     static const relief_kind kinds[] = {RELIEF_BRICKS, RELIEF_BUMPS, RELIEF_WEAVE};
     int seed = 200000;
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; ++k) {
@@ -277,8 +263,7 @@ static void test_shadows_against_marching(void **state) {
     }
 }
 
-static void test_periodic(void **state) {
-    (void)state;
+TEST(test_periodic) {
     int seed = 300000;
     for (int kind = 0; kind < RELIEF_COUNT; ++kind) {
         relief *r = NULL;
@@ -314,8 +299,7 @@ static void test_periodic(void **state) {
 
 /* An image holds the shading of the true position, and that position shows in the view from the
  * pole at texel + shift. */
-static void test_truth_agrees_with_the_images(void **state) {
-    (void)state;
+TEST(test_truth_agrees_with_the_images) {
     sample_scene *scene = make_scene(RELIEF_BRICKS, "0:1,40:5:20,70:7", "0:1,50:6:11");
     const sample_options *o = sample_scene_options(scene);
     const relief *r = sample_scene_relief(scene);
@@ -365,8 +349,7 @@ static void test_truth_agrees_with_the_images(void **state) {
 
 /* Bricks have shadow on about a quarter of all samples, and ambient light in it; bumps have exact zeros.
  * (At 64x64 texels and the 81 directions: 23.1 % in shadow, and 12.6 % exactly 0.) */
-static void test_share_of_shadow(void **state) {
-    (void)state;
+TEST(test_share_of_shadow) {
     enc_data *data = NULL;
     sample_truth *truth = NULL;
     const size_t points = 48 * 48 * 19 * 19;
@@ -393,8 +376,7 @@ static void test_share_of_shadow(void **state) {
     sample_truth_destroy(&truth);
 }
 
-static void test_threads_and_seeds(void **state) {
-    (void)state;
+TEST(test_threads_and_seeds) {
     enc_data *one = NULL, *two = NULL;
     sample_truth *truth_one = NULL, *truth_two = NULL;
     render(RELIEF_WEAVE, 20, 3, "small", "7", 1, &one, &truth_one);
@@ -423,8 +405,7 @@ static void test_threads_and_seeds(void **state) {
     enc_data_destroy(&two);
 }
 
-static void test_non_square(void **state) {
-    (void)state;
+TEST(test_non_square) {
     sample_options o = {.relief = RELIEF_AXES, .width = 32, .height = 128, .supersample = 1};
     enc_direction *list = NULL;
     sample_truth *truth = NULL;
@@ -442,8 +423,7 @@ static void test_non_square(void **state) {
     enc_data_destroy(&data);
 }
 
-static void test_directions(void **state) {
-    (void)state;
+TEST(test_directions) {
     static const struct {
         const char *text;
         int count;
@@ -485,8 +465,7 @@ static void test_directions(void **state) {
     assert_string_equal(text, "023.5000");
 }
 
-static void test_bad_options(void **state) {
-    (void)state;
+TEST(test_bad_options) {
     const sample_options bad[] = {{.relief = RELIEF_COUNT}, {.width = -1}, {.height = 9000},
                                   {.supersample = 5},       {.grid = 100}, {.grid = 8192}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
@@ -502,8 +481,7 @@ static void test_bad_options(void **state) {
     assert_int_equal(relief_kind_from_name("brick"), RELIEF_COUNT);
 }
 
-static void test_truth_files(void **state) {
-    (void)state;
+TEST(test_truth_files) {
     const char *temporary = getenv("TMPDIR");
     char folder[400], path[512];
     snprintf(folder, sizeof folder, "%s/btf-test-sample-XXXXXX", temporary ? temporary : P_tmpdir);
@@ -563,8 +541,7 @@ static void test_truth_files(void **state) {
 }
 
 /* A single image has the bits of the same image among those of a view. */
-static void test_a_pair_is_as_in_the_grid(void **state) {
-    (void)state;
+TEST(test_a_pair_is_as_in_the_grid) {
     enum { FLOATS = 3 * 64 * 64 };
     static float images[5][FLOATS], image[FLOATS];
     sample_scene *scene = make_scene(RELIEF_BRICKS, "tiny", "tiny");
@@ -581,8 +558,7 @@ static void test_a_pair_is_as_in_the_grid(void **state) {
 
 /* A third of the solid angle up to 74 degrees lies within acos(1 - (1 - cos 74) / 3), and a quarter of all
  * azimuths in a quadrant; names and pairs agree. */
-static void test_random_pairs(void **state) {
-    (void)state;
+TEST(test_random_pairs) {
     enum { N = 6000 };
     sample_pair *pairs = NULL, *fewer = NULL, *others = NULL;
     assert_int_equal(pairs_random(NULL, N, 0, &pairs), BTF_OK);
@@ -617,8 +593,7 @@ static void test_random_pairs(void **state) {
     free(others);
 }
 
-static void test_an_orbit(void **state) {
-    (void)state;
+TEST(test_an_orbit) {
     sample_pair *pairs = NULL;
     assert_int_equal(pairs_turn(NULL, PAIRS_ORBIT_VIEW, 8, 60, enc_direction_from_angles(20, -90), &pairs),
                      BTF_OK);
@@ -640,8 +615,7 @@ static btf_result read_list(const char *text, sample_pair **pairs, int *count) {
     return result;
 }
 
-static void test_lists(void **state) {
-    (void)state;
+TEST(test_lists) {
     static const char *const wrong[] = {"",
                                         "# nothing\n",
                                         "1 2 3\n",
@@ -668,26 +642,4 @@ static void test_lists(void **state) {
     assert_int_equal(pairs_read(NULL, "/nowhere/list", &pairs, &count), BTF_ERROR_IO);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_white_is_the_cosine),
-        cmocka_unit_test(test_flat_has_no_shadow_and_no_shift),
-        cmocka_unit_test(test_axes),
-        cmocka_unit_test(test_visibility_against_marching),
-        cmocka_unit_test(test_normals_are_slopes),
-        cmocka_unit_test(test_shadows_against_marching),
-        cmocka_unit_test(test_periodic),
-        cmocka_unit_test(test_truth_agrees_with_the_images),
-        cmocka_unit_test(test_share_of_shadow),
-        cmocka_unit_test(test_threads_and_seeds),
-        cmocka_unit_test(test_non_square),
-        cmocka_unit_test(test_directions),
-        cmocka_unit_test(test_bad_options),
-        cmocka_unit_test(test_truth_files),
-        cmocka_unit_test(test_a_pair_is_as_in_the_grid),
-        cmocka_unit_test(test_random_pairs),
-        cmocka_unit_test(test_an_orbit),
-        cmocka_unit_test(test_lists),
-    };
-    return cmocka_run_group_tests_name("sample", tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,15 +4,8 @@
  */
 #include "decoder/toolkit/cli.h"
 #include "decoder/toolkit/json.h"
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/support/test.h"
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static struct {
     bool flag, given;
@@ -32,39 +25,27 @@ static const char *parse_vowel(const char *text, void *value) {
     return NULL;
 }
 
+/* clang-format off */
 static const cli_option table[] = {
     {.short_name = 'f', .name = "flag", .type = CLI_FLAG, .value = &values.flag, .help = "a flag"},
-    {.short_name = 't',
-     .name = "text",
-     .type = CLI_STRING,
-     .value = &values.text,
-     .given = &values.given,
+    {.short_name = 't', .name = "text", .type = CLI_STRING, .value = &values.text, .given = &values.given,
      .help = "text"},
-    {.short_name = 'n',
-     .name = "number",
-     .type = CLI_INT,
-     .value = &values.number,
-     .minimum = -3,
-     .maximum = 9,
-     .help = "number"},
+    {.short_name = 'n', .name = "number", .type = CLI_INT, .value = &values.number, .minimum = -3,
+     .maximum = 9, .help = "number"},
     {.name = "real", .type = CLI_DOUBLE, .value = &values.real, .help = "real"},
-    {.name = "choice",
-     .type = CLI_CHOICE,
-     .choices = "fast|medium",
-     .value = &values.choice,
+    {.name = "choice", .type = CLI_CHOICE, .choices = "fast|medium", .value = &values.choice,
      .help = "choice"},
     {.name = "size", .type = CLI_SIZE, .value = values.size, .help = "size"},
     {.name = "bytes", .type = CLI_BYTES, .value = &values.bytes, .help = "bytes"},
     {.name = "angles", .type = CLI_ANGLES, .value = values.angles, .help = "angles"},
     {.name = "effects", .type = CLI_EFFECTS, .value = &values.effects, .help = "effects"},
-    {.name = "auto-effects",
-     .type = CLI_EFFECTS,
-     .choices = "auto",
-     .value = &values.auto_effects,
+    {.name = "auto-effects", .type = CLI_EFFECTS, .choices = "auto", .value = &values.auto_effects,
      .help = "effects"},
-    {.name = "custom", .type = CLI_CUSTOM, .parse = parse_vowel, .value = &values.custom, .help = "custom"},
+    {.name = "custom", .type = CLI_CUSTOM, .parse = parse_vowel, .value = &values.custom,
+     .help = "custom"},
     {.type = CLI_END},
 };
+/* clang-format on */
 
 static const cli_program program = {
     .name = "btf-test",
@@ -134,8 +115,7 @@ static void bad(const char *const *words, const char *message) {
     assert_non_null(strstr(printed, "--help"));
 }
 
-static void test_values(void **state) {
-    (void)state;
+TEST(test_values) {
     good(WORDS("a"));
     assert_false(values.flag);
     good(WORDS("a", "--flag", "--text", "word", "--number=-3", "--real", "2.5e-3", "--choice", "medium"));
@@ -161,8 +141,7 @@ static void test_values(void **state) {
     assert_int_equal(values.auto_effects, 0);
 }
 
-static void test_arguments(void **state) {
-    (void)state;
+TEST(test_arguments) {
     cli_arguments arguments;
     int exit_code;
     assert_true(parse(WORDS("one", "-f", "--", "--two"), &arguments, &exit_code));
@@ -176,8 +155,7 @@ static void test_arguments(void **state) {
     bad(WORDS("a", "b", "c"), "unexpected argument 'c'");
 }
 
-static void test_mistakes(void **state) {
-    (void)state;
+TEST(test_mistakes) {
     bad(WORDS("a", "--what"), "unknown option --what");
     bad(WORDS("a", "-z"), "unknown option -z");
     bad(WORDS("a", "--wh\x1b[2Jat\x7f"), "unknown option --wh\\x1b[2Jat\\x7f");
@@ -232,8 +210,7 @@ static void test_mistakes(void **state) {
     bad(WORDS("a", "--custom", "x"), "option --custom: 'x' is not a vowel");
 }
 
-static void test_numbers(void **state) {
-    (void)state;
+TEST(test_numbers) {
     const char *end;
     double x = 0;
     int n = 0;
@@ -250,8 +227,7 @@ static void test_numbers(void **state) {
     }
 }
 
-static void test_help(void **state) {
-    (void)state;
+TEST(test_help) {
     cli_arguments arguments;
     int exit_code;
     assert_false(parse(WORDS("--help"), &arguments, &exit_code));
@@ -274,16 +250,14 @@ static void test_help(void **state) {
     assert_non_null(strstr(printed, "btf-test"));
 }
 
-static void test_effects_text(void **state) {
-    (void)state;
+TEST(test_effects_text) {
     char buffer[48];
     assert_string_equal(cli_effects_text(0, buffer), "none");
     assert_string_equal(cli_effects_text(31, buffer), "shadow,shift,hidden,gain,residual");
     assert_string_equal(cli_effects_text(16, buffer), "residual");
 }
 
-static void test_json(void **state) {
-    (void)state;
+TEST(test_json) {
     json j = {0};
     json_object(&j, NULL);
     json_string(&j, "a\"b", "line\n\ttab \\ \x01 \xC3\xA9 \xFF\xC3");
@@ -315,12 +289,4 @@ static void test_json(void **state) {
     assert_null(j.text);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_values),   cmocka_unit_test(test_arguments),
-        cmocka_unit_test(test_mistakes), cmocka_unit_test(test_numbers),
-        cmocka_unit_test(test_help),     cmocka_unit_test(test_effects_text),
-        cmocka_unit_test(test_json),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -5,15 +5,7 @@
  */
 #include "encoder/job/cost.h"
 #include "encoder/job/job.h"
-
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "tests/support/test.h"
 
 typedef struct recorded {
     const char *stage;
@@ -28,54 +20,22 @@ typedef struct recording {
 
 /* Core seconds of `btf-encode --preset fast --threads 1 --report` on btf-sample's bricks, one run each on a
  * machine that others used too. */
+/* clang-format off */
 static const recording recordings[] = {
-    {"32x32 texels, 81 directions",
-     {.width = 32,
-      .height = 32,
-      .n_views = 81,
-      .n_lights = 81,
-      .origin = ENC_ORIGIN_IMAGES,
-      .pixels = 6718464},
-     {{"read", 0.415, 1},
-      {"factorise", 0.385, 1},
-      {"cross-validate", 0.248, 1},
-      {"round factors", 0.034, 1},
-      {"pack", 0.001, 1},
-      {"measure", 0.650, 1},
-      {"effect errors", 0.239, 1},
-      {"leave one out", 0.273, 1},
-      {"save", 0.014, 1}}},
-    {"64x64 texels, 81 directions",
-     {.width = 64,
-      .height = 64,
-      .n_views = 81,
-      .n_lights = 81,
-      .origin = ENC_ORIGIN_IMAGES,
-      .pixels = 26873856},
-     {{"read", 1.64, 1},
-      {"factorise", 3.302, 1},
-      {"cross-validate", 2.051, 1},
-      {"round factors", 0.239, 1},
-      {"measure", 3.019, 1},
-      {"effect errors", 0.359, 1},
-      {"leave one out", 0.637, 1},
-      {"save", 0.069, 1}}},
-    {"128x128 texels, 25 directions",
-     {.width = 128,
-      .height = 128,
-      .n_views = 25,
-      .n_lights = 25,
-      .origin = ENC_ORIGIN_IMAGES,
-      .pixels = 10240000},
-     {{"read", 0.473, 1},
-      {"factorise", 1.861, 1},
-      {"cross-validate", 0.816, 1},
-      {"round factors", 0.318, 1},
-      {"measure", 1.387, 1},
-      {"effect errors", 0.359, 1},
-      {"leave one out", 0.405, 1},
-      {"save", 0.106, 1}}},
+    {"32x32 texels, 81 directions", {.width = 32, .height = 32, .n_views = 81, .n_lights = 81,
+     .origin = ENC_ORIGIN_IMAGES, .pixels = 6718464}, {{"read", 0.415, 1}, {"factorise", 0.385, 1},
+     {"cross-validate", 0.248, 1}, {"round factors", 0.034, 1}, {"pack", 0.001, 1}, {"measure", 0.650, 1},
+     {"effect errors", 0.239, 1}, {"leave one out", 0.273, 1}, {"save", 0.014, 1}}},
+    {"64x64 texels, 81 directions", {.width = 64, .height = 64, .n_views = 81, .n_lights = 81,
+     .origin = ENC_ORIGIN_IMAGES, .pixels = 26873856}, {{"read", 1.64, 1}, {"factorise", 3.302, 1},
+     {"cross-validate", 2.051, 1}, {"round factors", 0.239, 1}, {"measure", 3.019, 1},
+     {"effect errors", 0.359, 1}, {"leave one out", 0.637, 1}, {"save", 0.069, 1}}},
+    {"128x128 texels, 25 directions", {.width = 128, .height = 128, .n_views = 25, .n_lights = 25,
+     .origin = ENC_ORIGIN_IMAGES, .pixels = 10240000}, {{"read", 0.473, 1}, {"factorise", 1.861, 1},
+     {"cross-validate", 0.816, 1}, {"round factors", 0.318, 1}, {"measure", 1.387, 1},
+     {"effect errors", 0.359, 1}, {"leave one out", 0.405, 1}, {"save", 0.106, 1}}},
 };
+/* clang-format on */
 
 /* The planned parts of a recording. */
 static size_t plan(const recording *r, estimate_part *parts) {
@@ -124,8 +84,7 @@ static void play(const recording *r, const estimate_part *parts, size_t count, d
     assert_int_equal(marks, 3);
 }
 
-static void test_recordings(void **state) {
-    (void)state;
+TEST(test_recordings) {
     for (size_t i = 0; i < sizeof recordings / sizeof *recordings; i++) {
         const recording *r = &recordings[i];
         estimate_part parts[ESTIMATE_PARTS];
@@ -146,8 +105,7 @@ static void test_recordings(void **state) {
 }
 
 /* Without weights the same recordings are far off: the bound above says something. */
-static void test_equal_weights(void **state) {
-    (void)state;
+TEST(test_equal_weights) {
     double worst = 0;
     for (size_t i = 0; i < sizeof recordings / sizeof *recordings; i++) {
         const recording *r = &recordings[i];
@@ -167,8 +125,7 @@ static void test_equal_weights(void **state) {
 }
 
 /* A stage that ends early, or is not run at all, moves the fraction forwards and does not spoil the rate. */
-static void test_early(void **state) {
-    (void)state;
+TEST(test_early) {
     const estimate_part parts[] = {{"a", 10}, {"b", 60}, {"c", 20}, {"d", 10}};
     estimate e;
     estimate_begin(&e, parts, 4, 0);
@@ -197,8 +154,7 @@ static void test_early(void **state) {
 }
 
 /* Costs grow with what they count: with a finite and positive prediction for every size. */
-static void test_sizes(void **state) {
-    (void)state;
+TEST(test_sizes) {
     static const int sides[] = {1, 16, 64, 256, 400, 4096, 16384};
     for (int method = 0; method < 2; method++) {
         double before = 0;
@@ -222,12 +178,4 @@ static void test_sizes(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_recordings),
-        cmocka_unit_test(test_equal_weights),
-        cmocka_unit_test(test_early),
-        cmocka_unit_test(test_sizes),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,21 +4,11 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/exr_image.h"
 #include "tests/support/exr_bytes.h"
 #include "tests/support/image_files.h"
+#include "tests/support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 static char message[700];
@@ -126,8 +116,7 @@ static void expect_colours(const exr_image *image, double tolerance) {
 
 /* Luminance and chroma, with and without alpha, half and float, chroma in every pixel or in every second
  * one of a line, a column, or both. */
-static void test_chroma(void **state) {
-    (void)state;
+TEST(test_chroma) {
     for (int k = 0; k < 16; k++) {
         const bytes_part p =
             chroma_part(k & 1, k & 2 ? BYTES_HALF : BYTES_FLOAT, k & 4 ? 2 : 1, k & 8 ? 2 : 1, 64, 48);
@@ -138,8 +127,7 @@ static void test_chroma(void **state) {
 }
 
 /* The file's chromaticities say what the luminance is made of. */
-static void test_chroma_primaries(void **state) {
-    (void)state;
+TEST(test_chroma_primaries) {
     static const float ap1[8] = {0.713f, 0.293f, 0.165f, 0.830f, 0.128f, 0.044f, 0.32168f, 0.33767f};
     static const float ap1_luma[3] = {0.2722287f, 0.6740818f, 0.0536895f};
     bytes_part p = chroma_part(false, BYTES_FLOAT, 2, 2, 32, 16);
@@ -153,8 +141,7 @@ static void test_chroma_primaries(void **state) {
 }
 
 /* Each compression whose blocks OpenEXRCore can undo, with a window that does not begin at 0. */
-static void test_chroma_compressed(void **state) {
-    (void)state;
+TEST(test_chroma_compressed) {
     static const int compressions[] = {0, 1, 2, 3, 4, 5}; /* none, RLE, ZIPS, ZIP, PIZ, PXR24 */
     char path[] = "/tmp/btf-exr-XXXXXX";
     const int fd = mkstemp(path);
@@ -181,8 +168,7 @@ static void test_chroma_compressed(void **state) {
 
 /* One to five channels of halves, each sampled 1 x 1, 2 x 1, 1 x 2 or 2 x 2, of widths from 1 to 200,000:
  * what the picture needs has its own values, whatever stands beside it; subsampled colour is refused. */
-static void test_sampling(void **state) {
-    (void)state;
+TEST(test_sampling) {
     static const char *const sets[] = {"Y", "AY", "BGR", "ABGR", "ABGRZ", "BGY", "ABYZ", "ABUYZ", "XYZ"};
     static const int widths[] = {1, 2, 3, 4, 6, 14, 33, 34, 100, 4094, 199999, 200000};
     for (size_t s = 0; s < sizeof sets / sizeof sets[0]; s++) {
@@ -220,8 +206,7 @@ static void test_sampling(void **state) {
 }
 
 /* The chroma of narrow, flat and wide images: every place is written. */
-static void test_chroma_sizes(void **state) {
-    (void)state;
+TEST(test_chroma_sizes) {
     static const int sizes[][2] = {{2, 2}, {4, 2}, {2, 4}, {6, 30}, {30, 6}, {200000, 2}, {2, 20000}};
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         for (int alpha = 0; alpha < 2; alpha++) {
@@ -237,8 +222,7 @@ static void test_chroma_sizes(void **state) {
 }
 
 /* Sampling that is not of the format, or that chroma is not read with: refused, whichever channel has it. */
-static void test_sampling_out_of_spec(void **state) {
-    (void)state;
+TEST(test_sampling_out_of_spec) {
     static const int32_t bad[][2] = {{0, 1},         {1, 0},         {-1, 1},
                                      {2, -2},        {3, 1},         {1, 5},
                                      {INT32_MAX, 1}, {1, INT32_MAX}, {INT32_MIN, INT32_MIN},
@@ -303,8 +287,7 @@ static void expect_channels(const bytes_part *parts, int count, const char *name
 static const int bgr[3] = {2, 1, 0};
 
 /* One choice is plain: a layer, names in lower case or in full, another part. */
-static void test_plain_choice(void **state) {
-    (void)state;
+TEST(test_plain_choice) {
     bytes_part parts[3] = {part_of(NULL, "diffuse.B/diffuse.G/diffuse.R")};
     expect_channels(parts, 1, NULL, 3, bgr, "layer diffuse");
     parts[0] = part_of(NULL, "b/g/r");
@@ -327,8 +310,7 @@ static void test_plain_choice(void **state) {
 }
 
 /* More than one choice, or none: parts and channels are listed, and a name picks. */
-static void test_layer_option(void **state) {
-    (void)state;
+TEST(test_layer_option) {
     bytes_part parts[3] = {part_of(NULL, "a.B/a.G/a.R/b.c.B/b.c.G/b.c.R")};
     expect_refused(parts, 1, "option layer picks one: part 1 has a.B, a.G, a.R, b.c.B");
     expect_channels(parts, 1, "a", 3, bgr, NULL);
@@ -353,8 +335,7 @@ static void test_layer_option(void **state) {
 }
 
 /* Luminance with half of its chroma is no grey picture, and one grey picture of several is told of. */
-static void test_grey_choice(void **state) {
-    (void)state;
+TEST(test_grey_choice) {
     bytes_part parts[3] = {part_of(NULL, "RY/Y")};
     expect_refused(parts, 1, "part 1 has RY, Y");
     expect_channels(parts, 1, "Y", 1, (const int[]){1}, NULL);
@@ -376,8 +357,7 @@ static float number_value(int c, int x, int y) {
 }
 
 /* A file of one pixel and `count` layers, one of them or all chosen from; by number, count - 1 last. */
-static void test_many_layers(void **state) {
-    (void)state;
+TEST(test_many_layers) {
     enum { LAYERS = 100 };
     static char names[3 * LAYERS][16];
     static bytes_part p;
@@ -404,8 +384,7 @@ static void test_many_layers(void **state) {
 }
 
 /* Only so many channels are looked through. */
-static void test_too_many_channels(void **state) {
-    (void)state;
+TEST(test_too_many_channels) {
     enum { COUNT = 4097 };
     static char names[COUNT][8];
     static bytes_part p = {.width = 1, .height = 1, .value = number_value};
@@ -417,8 +396,7 @@ static void test_too_many_channels(void **state) {
     expect_refused(&p, 1, "4097 channels");
 }
 
-static void test_deep(void **state) {
-    (void)state;
+TEST(test_deep) {
     bytes_part parts[2] = {part_of("smoke", "B/G/R/Z"), part_of("beauty", "B/G/R")};
     parts[0].deep = true;
     expect_channels(parts, 2, NULL, 3, bgr, "\"beauty\"");
@@ -426,8 +404,7 @@ static void test_deep(void **state) {
     expect_refused(parts, 2, "part \"smoke\" (deep data)");
 }
 
-static void test_compression(void **state) {
-    (void)state;
+TEST(test_compression) {
     static const char *const names[] = {"B44 ", "B44A ", "DWAA ", "DWAB "};
     bytes_part p = part_of(NULL, "B/G/R");
     for (int k = 0; k < 10; k++) {
@@ -446,8 +423,7 @@ static void add(bytes_part *p, const char *name, const char *type, const void *v
 
 /* ACEScg and XYZ by their chromaticities: known colours of Rec. 709 come out; Rec. 709's own are left
  * alone. */
-static void test_chromaticities(void **state) {
-    (void)state;
+TEST(test_chromaticities) {
     static const float ap1[8] = {0.713f, 0.293f, 0.165f, 0.830f, 0.128f, 0.044f, 0.32168f, 0.33767f};
     static const float xyz[8] = {1, 0, 0, 1, 0, 0, 1 / 3.0f, 1 / 3.0f};
     static const float same[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
@@ -490,8 +466,7 @@ static void test_chromaticities(void **state) {
 }
 
 /* Attributes that change the meaning of pixels and are not followed are told. */
-static void test_notes(void **state) {
-    (void)state;
+TEST(test_notes) {
     static const float nits = 100;
     static const int32_t turned = 6, upright = 1;
     bytes_part p = part_of(NULL, "A/B/G/R");
@@ -537,8 +512,7 @@ static void test_notes(void **state) {
 }
 
 /* The other view of a stereo picture in one part is told of. */
-static void test_views(void **state) {
-    (void)state;
+TEST(test_views) {
     static const char views[] = "\4\0\0\0left\5\0\0\0right";
     bytes_part p = part_of(NULL, "B/G/R/right.B/right.G/right.R");
     add(&p, "multiView", "stringvector", views, sizeof views - 1);
@@ -556,8 +530,7 @@ static float half_clear(int c, int x, int y) {
     return c == 0 && x == 1 && y == 2 ? 0.5f : 1.0f;
 }
 
-static void test_alpha(void **state) {
-    (void)state;
+TEST(test_alpha) {
     static const char *const names[] = {"A/B/G/R", "a/b/g/r", "Alpha/Blue/Green/Red", "l.A/l.B/l.G/l.R",
                                         "l.alpha/l.blue/l.green/l.red"};
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
@@ -580,8 +553,7 @@ static float reflectance(int c, int x, int y) {
 }
 
 /* Channels by wavelength as several programs name them: white is white, a line at the last band is red. */
-static void test_spectrum(void **state) {
-    (void)state;
+TEST(test_spectrum) {
     static const char *const formats[] = {"%dnm",           "w%dnm",  "T.%d,000000nm", "T.%d.0nm",
                                           "S0.%d,000000nm", "%d.0nm", "%d.00-%d.00nm", "m.%d-%dnm"};
     for (size_t f = 0; f < sizeof formats / sizeof *formats; f++) {
@@ -631,26 +603,4 @@ static void test_spectrum(void **state) {
     expect_refused(&p, 1, "lies outside of what is visible");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_chroma),
-        cmocka_unit_test(test_chroma_primaries),
-        cmocka_unit_test(test_chroma_compressed),
-        cmocka_unit_test(test_chroma_sizes),
-        cmocka_unit_test(test_sampling),
-        cmocka_unit_test(test_sampling_out_of_spec),
-        cmocka_unit_test(test_plain_choice),
-        cmocka_unit_test(test_layer_option),
-        cmocka_unit_test(test_grey_choice),
-        cmocka_unit_test(test_many_layers),
-        cmocka_unit_test(test_too_many_channels),
-        cmocka_unit_test(test_deep),
-        cmocka_unit_test(test_compression),
-        cmocka_unit_test(test_chromaticities),
-        cmocka_unit_test(test_notes),
-        cmocka_unit_test(test_views),
-        cmocka_unit_test(test_alpha),
-        cmocka_unit_test(test_spectrum),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -2,53 +2,30 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/exr_image.h"
 #include "decoder/toolkit/jpeg_image.h"
 #include "decoder/toolkit/png_image.h"
 #include "encoder/input/image.h"
 #include "tests/support/image_files.h"
+#include "tests/support/temporary.h"
+#include "tests/support/test.h"
 
-#include <math.h>
 #include <png.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 enum { W = 19, H = 13 };
-static char file[256];
 static const btf_log no_log = {NULL, NULL};
-
-static int make_file(void **state) {
-    (void)state;
-    const char *base = getenv("TMPDIR");
-    snprintf(file, sizeof file, "%s/btf-image-XXXXXX", base && *base ? base : "/tmp");
-    const int fd = mkstemp(file);
-    return fd < 0 ? -1 : close(fd);
-}
-
-static int remove_file(void **state) {
-    (void)state;
-    return unlink(file);
-}
 
 static unsigned char byte_at(int i) {
     return (unsigned char)((unsigned)i * 7u % 251u);
 }
 
-/* Decodes `file`; the caller clears the image. */
+/* Decodes the temporary file; the caller clears the image. */
 static enc_image decode(void) {
     size_t size;
     char message[700];
     enc_image image = {0};
-    void *data = read_whole_file(file, &size);
+    void *data = read_whole_file(temporary_file, &size);
     const btf_result result = enc_image_decode(data, size, &image, message, sizeof message);
     free(data);
     if (result != BTF_OK) {
@@ -63,7 +40,7 @@ static void expect_error(btf_result expected, const char *text) {
     size_t size;
     char message[700];
     enc_image image = {0};
-    void *data = read_whole_file(file, &size);
+    void *data = read_whole_file(temporary_file, &size);
     const btf_result result = enc_image_decode(data, size, &image, message, sizeof message);
     free(data);
     assert_int_equal(result, expected);
@@ -72,10 +49,10 @@ static void expect_error(btf_result expected, const char *text) {
     }
 }
 
-/* Every prefix of `file`, in a buffer of just its size, is refused with a message. */
+/* Every prefix of the temporary file, in a buffer of just its size, is refused with a message. */
 static void expect_prefixes_refused(void) {
     size_t size;
-    void *data = read_whole_file(file, &size);
+    void *data = read_whole_file(temporary_file, &size);
     for (size_t n = 0; n < size; n++) {
         char message[700] = "";
         enc_image image = {0};
@@ -99,30 +76,28 @@ static void expect_bytes(const enc_image *image, int channels, const unsigned ch
     assert_memory_equal(image->pixels, expected, (size_t)(W * H * channels));
 }
 
-static void test_png_rgb(void **state) {
-    (void)state;
+TEST(test_png_rgb) {
     unsigned char rgb[W * H * 3];
     for (int i = 0; i < W * H * 3; i++) {
         rgb[i] = byte_at(i);
     }
-    assert_int_equal(png_image_write8(file, W, H, rgb, no_log), BTF_OK);
+    assert_int_equal(png_image_write8(temporary_file, W, H, rgb, no_log), BTF_OK);
     enc_image image = decode();
     expect_bytes(&image, 3, rgb);
     enc_image_clear(&image);
     expect_prefixes_refused();
-    write_png(file, W, H, PNG_COLOR_TYPE_RGB, 8, true, rgb, NULL);
+    write_png(temporary_file, W, H, PNG_COLOR_TYPE_RGB, 8, true, rgb, NULL);
     image = decode();
     expect_bytes(&image, 3, rgb);
     enc_image_clear(&image);
 }
 
-static void test_png_16(void **state) {
-    (void)state;
+TEST(test_png_16) {
     unsigned short rgb[W * H * 3];
     for (int i = 0; i < W * H * 3; i++) {
         rgb[i] = (unsigned short)(i * 257 + i % 7);
     }
-    assert_int_equal(png_image_write16(file, W, H, rgb, no_log), BTF_OK);
+    assert_int_equal(png_image_write16(temporary_file, W, H, rgb, no_log), BTF_OK);
     enc_image image = decode();
     assert_int_equal(image.depth, 16);
     assert_int_equal(image.channels, 3);
@@ -133,7 +108,7 @@ static void test_png_16(void **state) {
     for (int i = 0; i < W * H * 2; i++) {
         grey[i] = byte_at(i);
     }
-    write_png(file, W, H, PNG_COLOR_TYPE_GRAY, 16, false, grey, NULL);
+    write_png(temporary_file, W, H, PNG_COLOR_TYPE_GRAY, 16, false, grey, NULL);
     image = decode();
     assert_int_equal(image.depth, 16);
     assert_int_equal(image.channels, 1);
@@ -143,8 +118,7 @@ static void test_png_16(void **state) {
     enc_image_clear(&image);
 }
 
-static void test_png_kinds(void **state) {
-    (void)state;
+TEST(test_png_kinds) {
     unsigned char in[W * H * 4], out[W * H * 3], palette[3 * 256];
     for (int i = 0; i < W * H * 4; i++) {
         in[i] = byte_at(i);
@@ -153,12 +127,12 @@ static void test_png_kinds(void **state) {
         palette[i] = (unsigned char)(255 - i % 256);
     }
 
-    write_png(file, W, H, PNG_COLOR_TYPE_GRAY, 8, false, in, NULL);
+    write_png(temporary_file, W, H, PNG_COLOR_TYPE_GRAY, 8, false, in, NULL);
     enc_image image = decode();
     expect_bytes(&image, 1, in);
     enc_image_clear(&image);
 
-    write_png(file, W, H, PNG_COLOR_TYPE_RGB_ALPHA, 8, false, in, NULL);
+    write_png(temporary_file, W, H, PNG_COLOR_TYPE_RGB_ALPHA, 8, false, in, NULL);
     for (int i = 0; i < W * H * 3; i++) {
         out[i] = in[i / 3 * 4 + i % 3];
     }
@@ -166,7 +140,7 @@ static void test_png_kinds(void **state) {
     expect_bytes(&image, 3, out);
     enc_image_clear(&image);
 
-    write_png(file, W, H, PNG_COLOR_TYPE_GRAY_ALPHA, 8, false, in, NULL);
+    write_png(temporary_file, W, H, PNG_COLOR_TYPE_GRAY_ALPHA, 8, false, in, NULL);
     for (int i = 0; i < W * H; i++) {
         out[i] = in[2 * i];
     }
@@ -174,7 +148,7 @@ static void test_png_kinds(void **state) {
     expect_bytes(&image, 1, out);
     enc_image_clear(&image);
 
-    write_png(file, W, H, PNG_COLOR_TYPE_PALETTE, 8, false, in, palette);
+    write_png(temporary_file, W, H, PNG_COLOR_TYPE_PALETTE, 8, false, in, palette);
     for (int i = 0; i < W * H * 3; i++) {
         out[i] = palette[3 * in[i / 3] + i % 3];
     }
@@ -183,7 +157,7 @@ static void test_png_kinds(void **state) {
     enc_image_clear(&image);
 
     /* 4 bits a pixel, two in a byte, rows begin anew */
-    write_png(file, W, H, PNG_COLOR_TYPE_GRAY, 4, false, in, NULL);
+    write_png(temporary_file, W, H, PNG_COLOR_TYPE_GRAY, 4, false, in, NULL);
     for (int row = 0; row < H; row++) {
         for (int x = 0; x < W; x++) {
             out[row * W + x] =
@@ -196,30 +170,28 @@ static void test_png_kinds(void **state) {
 }
 
 /* A bit flipped within the data is found by its checksum. */
-static void test_png_damaged(void **state) {
-    (void)state;
+TEST(test_png_damaged) {
     unsigned char rgb[W * H * 3];
     for (int i = 0; i < W * H * 3; i++) {
         rgb[i] = byte_at(i);
     }
-    assert_int_equal(png_image_write8(file, W, H, rgb, no_log), BTF_OK);
+    assert_int_equal(png_image_write8(temporary_file, W, H, rgb, no_log), BTF_OK);
     size_t size;
-    unsigned char *data = read_whole_file(file, &size);
+    unsigned char *data = read_whole_file(temporary_file, &size);
     data[size / 2] ^= 16;
-    write_whole_file(file, data, size);
+    write_whole_file(temporary_file, data, size);
     free(data);
     expect_error(BTF_ERROR_BAD_FILE, "PNG");
 }
 
-static void test_jpeg(void **state) {
-    (void)state;
+TEST(test_jpeg) {
     unsigned char rgb[W * H * 3];
     for (int i = 0; i < W * H; i++) {
         rgb[3 * i] = (unsigned char)(10 * (i % W));
         rgb[3 * i + 1] = (unsigned char)(15 * (i / W));
         rgb[3 * i + 2] = (unsigned char)(255 - 10 * (i % W));
     }
-    assert_int_equal(jpeg_image_write(file, W, H, rgb, 100, no_log), BTF_OK);
+    assert_int_equal(jpeg_image_write(temporary_file, W, H, rgb, 100, no_log), BTF_OK);
     enc_image image = decode();
     assert_int_equal(image.depth, 8);
     assert_int_equal(image.channels, 3);
@@ -231,18 +203,17 @@ static void test_jpeg(void **state) {
 
     /* libjpeg would paint the rest grey */
     size_t size;
-    unsigned char *data = read_whole_file(file, &size);
+    unsigned char *data = read_whole_file(temporary_file, &size);
     data[size - 1] = 0xd9;
     data[size - 2] = 0xff;
     memmove(data + size / 2, data + size - 2, 2);
-    write_whole_file(file, data, size / 2 + 2);
+    write_whole_file(temporary_file, data, size / 2 + 2);
     free(data);
     expect_error(BTF_ERROR_BAD_FILE, "JPEG");
 }
 
 /* EXIF says "turn by 90 degrees": refused rather than read as it lies. */
-static void test_jpeg_orientation(void **state) {
-    (void)state;
+TEST(test_jpeg_orientation) {
     static const unsigned char exif[] = {0xff, 0xe1, 0, 34, 'E', 'x', 'i', 'f', 0, 0,    'M', 'M',
                                          0,    42,   0, 0,  0,   8,   0,   1,   1, 0x12, 0,   3,
                                          0,    0,    0, 1,  0,   6,   0,   0,   0, 0,    0,   0};
@@ -250,22 +221,21 @@ static void test_jpeg_orientation(void **state) {
     for (int i = 0; i < W * H * 3; i++) {
         rgb[i] = (unsigned char)(i / 3 / W * 10);
     }
-    assert_int_equal(jpeg_image_write(file, W, H, rgb, 100, no_log), BTF_OK);
+    assert_int_equal(jpeg_image_write(temporary_file, W, H, rgb, 100, no_log), BTF_OK);
     size_t size;
-    unsigned char *data = read_whole_file(file, &size);
+    unsigned char *data = read_whole_file(temporary_file, &size);
     unsigned char *turned = malloc(size + sizeof exif);
     assert_non_null(turned);
     memcpy(turned, data, 2);
     memcpy(turned + 2, exif, sizeof exif);
     memcpy(turned + 2 + sizeof exif, data + 2, size - 2);
-    write_whole_file(file, turned, size + sizeof exif);
+    write_whole_file(temporary_file, turned, size + sizeof exif);
     free(turned);
     free(data);
     expect_error(BTF_ERROR_UNSUPPORTED, "EXIF orientation 6");
 }
 
-static void test_hdr(void **state) {
-    (void)state;
+TEST(test_hdr) {
     static const hdr_coding codings[] = {HDR_FLAT, HDR_OLD_RUNS, HDR_NEW_RUNS};
     unsigned char rgbe[W * H * 4];
     for (int i = 0; i < W * H; i++) {
@@ -275,7 +245,7 @@ static void test_hdr(void **state) {
         rgbe[4 * i + 3] = i % 17 < 3 ? 0 : (unsigned char)(120 + i / 3 % 20);
     }
     for (int k = 0; k < 6; k++) {
-        write_hdr(file, W, H, rgbe, codings[k % 3],
+        write_hdr(temporary_file, W, H, rgbe, codings[k % 3],
                   k < 3 ? "FORMAT=32-bit_rle_rgbe\n" : "# a comment\nEXPOSURE=2\nEXPOSURE=4.0\n", k >= 3);
         enc_image image = decode();
         assert_int_equal(image.depth, 32);
@@ -289,44 +259,43 @@ static void test_hdr(void **state) {
         enc_image_clear(&image);
         expect_prefixes_refused();
     }
-    write_hdr(file, W, H, rgbe, HDR_NEW_RUNS, "FORMAT=32-bit_rle_xyze\n", false);
+    write_hdr(temporary_file, W, H, rgbe, HDR_NEW_RUNS, "FORMAT=32-bit_rle_xyze\n", false);
     enc_image image = decode();
     assert_true(image.xyz);
     enc_image_clear(&image);
-    write_hdr(file, W, H, rgbe, HDR_NEW_RUNS, "FORMAT=unheard of\n", false);
+    write_hdr(temporary_file, W, H, rgbe, HDR_NEW_RUNS, "FORMAT=unheard of\n", false);
     expect_error(BTF_ERROR_BAD_FILE, "HDR");
     static const char *const exposures[] = {"EXPOSURE=one\n", "EXPOSURE=-1\n", "EXPOSURE=inf\n",
                                             "EXPOSURE=1e300\nEXPOSURE=1e300\n",
                                             "EXPOSURE=1e-300\nEXPOSURE=1e-300\n"};
     for (size_t i = 0; i < sizeof exposures / sizeof exposures[0]; i++) {
-        write_hdr(file, W, H, rgbe, HDR_NEW_RUNS, exposures[i], false);
+        write_hdr(temporary_file, W, H, rgbe, HDR_NEW_RUNS, exposures[i], false);
         expect_error(BTF_ERROR_BAD_FILE, "HDR");
     }
     const char wrapped[] = "#?RADIANCE\n\n-Y 1 +X 4294967297\n0000"; /* 1 modulo 2^32 */
-    write_whole_file(file, wrapped, sizeof wrapped - 1);
+    write_whole_file(temporary_file, wrapped, sizeof wrapped - 1);
     expect_error(BTF_ERROR_UNSUPPORTED, "429496729");
     const char huge[] = "#?RADIANCE\n\n-Y 2000000000 +X 2000000000\n";
-    write_whole_file(file, huge, sizeof huge - 1);
+    write_whole_file(temporary_file, huge, sizeof huge - 1);
     expect_error(BTF_ERROR_UNSUPPORTED, "2000000000");
 }
 
 /* ATRIUM's files: "+X W -Y H" over rows that begin at the bottom. */
-static void test_hdr_of_atrium(void **state) {
-    (void)state;
+TEST(test_hdr_of_atrium) {
     unsigned char rgbe[W * H * 4];
     for (int i = 0; i < W * H * 4; i++) {
         rgbe[i] = (unsigned char)(i % 4 == 3 ? 128 : 128 + i % 97);
     }
-    write_hdr(file, W, H, rgbe, HDR_NEW_RUNS, "", true);
+    write_hdr(temporary_file, W, H, rgbe, HDR_NEW_RUNS, "", true);
     size_t size;
-    unsigned char *data = read_whole_file(file, &size);
+    unsigned char *data = read_whole_file(temporary_file, &size);
     char usual[64], theirs[64];
     const size_t length = (size_t)snprintf(usual, sizeof usual, "+Y %d +X %d\n", H, W);
     snprintf(theirs, sizeof theirs, "+X %d -Y %d\n", W, H);
     unsigned char *line = memmem(data, size, usual, length);
     assert_non_null(line);
     memcpy(line, theirs, length);
-    write_whole_file(file, data, size);
+    write_whole_file(temporary_file, data, size);
     free(data);
     enc_image image = decode();
     assert_int_equal(image.width, W);
@@ -337,15 +306,14 @@ static void test_hdr_of_atrium(void **state) {
     enc_image_clear(&image);
 }
 
-static void test_exr(void **state) {
-    (void)state;
+TEST(test_exr) {
     float rgb[W * H * 3];
     for (int i = 0; i < W * H * 3; i++) {
         rgb[i] = ldexpf((float)(1 + i % 1000), i % 5 - 12);
     }
     for (int half = 0; half < 2; half++) {
         rgb[4] = half ? 1e6f : -1e30f;
-        assert_int_equal(exr_image_write(file, W, H, rgb, half, no_log), BTF_OK);
+        assert_int_equal(exr_image_write(temporary_file, W, H, rgb, half, no_log), BTF_OK);
         enc_image image = decode();
         assert_int_equal(image.depth, 32);
         assert_int_equal(image.channels, 3);
@@ -361,8 +329,7 @@ static void test_exr(void **state) {
 
 /* Noise, in sizes where some chunk deflates to just its own length: 37x23 of half floats was read back
  * wrong. */
-static void test_exr_noise(void **state) {
-    (void)state;
+TEST(test_exr_noise) {
     uint32_t random = 1;
     for (int width = 35; width <= 42; width++) {
         for (int height = 16; height <= 32; height++) {
@@ -371,12 +338,12 @@ static void test_exr_noise(void **state) {
                 random = random * 1664525u + 1013904223u;
                 rgb[i] = ldexpf((float)(1024 + (random >> 12) % 1024), (int)(random >> 24) % 24 - 20);
             }
-            assert_int_equal(exr_image_write(file, width, height, rgb, true, no_log), BTF_OK);
+            assert_int_equal(exr_image_write(temporary_file, width, height, rgb, true, no_log), BTF_OK);
             size_t size;
             char message[700];
             exr_image image = {0};
             image_info info = {0};
-            void *data = read_whole_file(file, &size);
+            void *data = read_whole_file(temporary_file, &size);
             assert_int_equal(
                 exr_image_read(data, size, 1 << 20, NULL, &image, &info, message, sizeof message), BTF_OK);
             assert_memory_equal(image.pixels, rgb, sizeof *rgb * (size_t)(width * height * 3));
@@ -386,13 +353,12 @@ static void test_exr_noise(void **state) {
     }
 }
 
-static void test_exr_tiled(void **state) {
-    (void)state;
+TEST(test_exr_tiled) {
     float pixels[W * H * 4];
     for (int i = 0; i < W * H * 4; i++) {
         pixels[i] = ldexpf((float)(1 + i % 1000), i % 5 - 12);
     }
-    write_exr_tiled(file, W, H, 4, "ABGR", pixels);
+    write_exr_tiled(temporary_file, W, H, 4, "ABGR", pixels);
     enc_image image = decode();
     assert_int_equal(image.channels, 3);
     assert_false(image.xyz);
@@ -403,14 +369,14 @@ static void test_exr_tiled(void **state) {
     }
     enc_image_clear(&image);
 
-    write_exr_tiled(file, W, H, 3, "XYZ", pixels);
+    write_exr_tiled(temporary_file, W, H, 3, "XYZ", pixels);
     image = decode();
     assert_int_equal(image.channels, 3);
     assert_true(image.xyz);
     assert_memory_equal(image.pixels, pixels, sizeof(float) * W * H * 3);
     enc_image_clear(&image);
 
-    write_exr_tiled(file, W, H, 1, "Y", pixels);
+    write_exr_tiled(temporary_file, W, H, 1, "Y", pixels);
     image = decode();
     assert_int_equal(image.channels, 1);
     assert_memory_equal(image.pixels, pixels, sizeof(float) * W * H);
@@ -425,7 +391,7 @@ static void test_exr_tiled(void **state) {
         for (int i = 0; i < W * H * n; i++) {
             five[i] = pixels[i % (W * H * 4)];
         }
-        write_exr_tiled(file, W, H, n, sets[set], five);
+        write_exr_tiled(temporary_file, W, H, n, sets[set], five);
         image = decode();
         assert_int_equal(image.channels, set < 2 ? 1 : 3);
         for (int i = 0; i < W * H; i++) {
@@ -434,23 +400,21 @@ static void test_exr_tiled(void **state) {
         enc_image_clear(&image);
     }
 
-    write_exr_tiled(file, W, H, 2, "UV", pixels);
+    write_exr_tiled(temporary_file, W, H, 2, "UV", pixels);
     expect_error(BTF_ERROR_UNSUPPORTED, "U, V");
 }
 
-static void test_no_image(void **state) {
-    (void)state;
-    write_whole_file(file, "", 0);
+TEST(test_no_image) {
+    write_whole_file(temporary_file, "", 0);
     expect_error(BTF_ERROR_BAD_FILE, "empty");
-    write_whole_file(file, "GIF89a", 6);
+    write_whole_file(temporary_file, "GIF89a", 6);
     expect_error(BTF_ERROR_BAD_FILE, "not a JPEG, PNG");
-    write_whole_file(file, "\xff\xd8junk", 6);
+    write_whole_file(temporary_file, "\xff\xd8junk", 6);
     expect_error(BTF_ERROR_BAD_FILE, "JPEG");
 }
 
 /* A layer is asked of a file that has none. */
-static void test_layer_of_png(void **state) {
-    (void)state;
+TEST(test_layer_of_png) {
     static const char png[] = "\x89PNG\r\n\x1a\n";
     char message[700];
     enc_image image = {0};
@@ -460,15 +424,4 @@ static void test_layer_of_png(void **state) {
     assert_null(image.pixels);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_png_rgb),      cmocka_unit_test(test_png_16),
-        cmocka_unit_test(test_png_kinds),    cmocka_unit_test(test_png_damaged),
-        cmocka_unit_test(test_jpeg),         cmocka_unit_test(test_jpeg_orientation),
-        cmocka_unit_test(test_hdr),          cmocka_unit_test(test_hdr_of_atrium),
-        cmocka_unit_test(test_exr),          cmocka_unit_test(test_exr_noise),
-        cmocka_unit_test(test_exr_tiled),    cmocka_unit_test(test_no_image),
-        cmocka_unit_test(test_layer_of_png),
-    };
-    return cmocka_run_group_tests(tests, make_file, remove_file);
-}
+RUN_TESTS(make_temporary_file, remove_temporary_file)

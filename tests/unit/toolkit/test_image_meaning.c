@@ -3,41 +3,19 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/jpeg_image.h"
 #include "decoder/toolkit/png_image.h"
 #include "encoder/input/colour.h"
 #include "tests/support/image_files.h"
+#include "tests/support/temporary.h"
+#include "tests/support/test.h"
 
-#include <math.h>
 #include <png.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 #include <zlib.h>
 
 enum { W = 8, H = 6 };
-static char file[256], message[700];
-
-static int make_file(void **state) {
-    (void)state;
-    const char *base = getenv("TMPDIR");
-    snprintf(file, sizeof file, "%s/btf-meaning-XXXXXX", base && *base ? base : "/tmp");
-    const int fd = mkstemp(file);
-    return fd < 0 ? -1 : close(fd);
-}
-
-static int remove_file(void **state) {
-    (void)state;
-    return unlink(file);
-}
+static char message[700];
 
 static btf_result decode_bytes(const unsigned char *data, size_t size, enc_image *out_image) {
     unsigned char *just = malloc(size);
@@ -59,17 +37,6 @@ static uint32_t get32(const unsigned char *p) {
     return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
 }
 
-static uint32_t checksum(const unsigned char *p, size_t size) {
-    uint32_t crc = 0xFFFFFFFFu;
-    for (size_t i = 0; i < size; i++) {
-        crc ^= p[i];
-        for (int bit = 0; bit < 8; bit++) {
-            crc = crc & 1 ? crc >> 1 ^ 0xEDB88320u : crc >> 1;
-        }
-    }
-    return ~crc;
-}
-
 typedef struct bytes {
     unsigned char data[8192];
     size_t size;
@@ -87,9 +54,9 @@ static bytes plain_png(int depth, int colour_type) {
             pixels[i] = 255;
         }
     }
-    write_png(file, W, H, colour_type, depth, false, pixels, NULL);
+    write_png(temporary_file, W, H, colour_type, depth, false, pixels, NULL);
     size_t size;
-    void *data = read_whole_file(file, &size);
+    void *data = read_whole_file(temporary_file, &size);
     assert_true(size < sizeof b.data);
     memcpy(b.data, data, size);
     free(data);
@@ -111,7 +78,7 @@ static void add_chunk(bytes *b, const char *type, const void *data, size_t size,
     if (size) {
         memcpy(b->data + at + 8, data, size);
     }
-    put32(b->data + at + 8 + size, checksum(b->data + at + 4, size + 4));
+    put32(b->data + at + 8 + size, (uint32_t)crc32(0, b->data + at + 4, (uInt)(size + 4)));
     b->size += size + 12;
 }
 
@@ -137,6 +104,27 @@ static enc_image decode_good(const bytes *b) {
     return image;
 }
 
+/* What decoding tells of this kind holds the words; it tells nothing where they are NULL. */
+static void expect_note(const bytes *b, image_note_kind kind, const char *words) {
+    enc_image image = decode_good(b);
+    const char *note = image.info.notes.texts[kind];
+    const bool as_said = words ? strstr(note, words) != NULL : note[0] == '\0';
+    if (!as_said) {
+        print_error("\"%s\", not \"%s\"\n", note, words ? words : "");
+    }
+    assert_true(as_said);
+    enc_image_clear(&image);
+}
+
+static void expect_refused(const bytes *b, btf_result expected, const char *words) {
+    enc_image image;
+    assert_int_equal(decode_bytes(b->data, b->size, &image), expected);
+    if (!strstr(message, words)) {
+        print_error("\"%s\" does not say \"%s\"\n", message, words);
+    }
+    assert_non_null(strstr(message, words));
+}
+
 static void expect_curve(bytes b, double (*curve)(double)) {
     double code;
     enc_image image = decode_good(&b);
@@ -160,8 +148,7 @@ static double bt709(double v) {
 }
 
 /* gAMA, sRGB and cICP, one over the other in the order of their rank; none means sRGB. */
-static void test_png_transfer(void **state) {
-    (void)state;
+TEST(test_png_transfer) {
     for (int depth = 8; depth <= 16; depth += 8) {
         unsigned char gamma[4];
         bytes b = plain_png(depth, PNG_COLOR_TYPE_RGB);
@@ -203,8 +190,7 @@ static void test_png_transfer(void **state) {
 }
 
 /* cHRM: Rec. 709's leave things alone, others are converted, behind sRGB they mean nothing. */
-static void test_png_primaries(void **state) {
-    (void)state;
+TEST(test_png_primaries) {
     static const uint32_t same[8] = {31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000};
     static const uint32_t wide[8] = {31270, 32900, 68000, 32000, 26500, 69000, 15000, 6000};
     for (int k = 0; k < 3; k++) {
@@ -284,16 +270,12 @@ static const struct {
                 {"e-sRGB", false},
                 {"Display P3", false}};
 
-static void expect_profile(const enc_image *image, size_t k) {
-    const char *note = image->info.notes.texts[IMAGE_NOTE_PROFILE];
-    if (profiles[k].srgb ? note[0] != '\0' : !strstr(note, profiles[k].name)) {
-        fail_msg("%s: \"%s\"", profiles[k].name, note);
-    }
+static void expect_profile(const bytes *b, size_t k) {
+    expect_note(b, IMAGE_NOTE_PROFILE, profiles[k].srgb ? NULL : profiles[k].name);
 }
 
 /* By its description, not by what the chunk calls it; a profile that cannot be inflated by that name. */
-static void test_png_profile(void **state) {
-    (void)state;
+TEST(test_png_profile) {
     for (size_t k = 0; k < 2 * sizeof profiles / sizeof *profiles; k++) {
         unsigned char profile[400], chunk[600] = "icc\0";
         const size_t size = make_profile(profile, profiles[k / 2].name, k % 2);
@@ -301,14 +283,10 @@ static void test_png_profile(void **state) {
         assert_int_equal(compress(chunk + 5, &packed, profile, size), Z_OK);
         bytes b = plain_png(16, PNG_COLOR_TYPE_RGB);
         add_chunk(&b, "iCCP", chunk, 5 + packed, false);
-        enc_image image = decode_good(&b);
-        expect_profile(&image, k / 2);
-        enc_image_clear(&image);
+        expect_profile(&b, k / 2);
         b = plain_png(16, PNG_COLOR_TYPE_RGB);
         add_chunk(&b, "iCCP", "my screen\0\0oops", 15, false);
-        image = decode_good(&b);
-        assert_non_null(strstr(image.info.notes.texts[IMAGE_NOTE_PROFILE], "\"my screen\""));
-        enc_image_clear(&image);
+        expect_note(&b, IMAGE_NOTE_PROFILE, "\"my screen\"");
     }
 }
 
@@ -351,8 +329,7 @@ static bool is_taken_as_srgb(const unsigned char *curve, size_t curve_size, cons
 }
 
 /* A profile that is called sRGB and has other curves or primaries is told of. */
-static void test_profile_contents(void **state) {
-    (void)state;
+TEST(test_profile_contents) {
     static const unsigned char linear_curve[12] = "curv", gamma22[14] = "curv\0\0\0\0\0\0\0\1\2\63";
     static unsigned char table[12 + 2 * 1024] = "curv";
     put32(table + 8, 1024);
@@ -385,16 +362,13 @@ static void test_profile_contents(void **state) {
 }
 
 /* An EXIF orientation behind the pixels counts; a colour space in it as well. */
-static void test_png_exif_behind(void **state) {
-    (void)state;
+TEST(test_png_exif_behind) {
     static const unsigned char turned[] = {'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 1, 0x12, 0,
                                            3,   0,   0, 0,  1, 0, 6, 0, 0, 0, 0, 0,    0};
     for (int behind = 0; behind < 2; behind++) {
         bytes b = plain_png(8, PNG_COLOR_TYPE_RGB);
-        enc_image image;
         add_chunk(&b, "eXIf", turned, sizeof turned, behind);
-        assert_int_equal(decode_bytes(b.data, b.size, &image), BTF_ERROR_UNSUPPORTED);
-        assert_non_null(strstr(message, "EXIF orientation 6"));
+        expect_refused(&b, BTF_ERROR_UNSUPPORTED, "EXIF orientation 6");
     }
 }
 
@@ -403,14 +377,12 @@ static const unsigned char turned_long[] = {'I', 'I', 42, 0, 8, 0, 0, 0, 1, 0, 0
 
 /* Where else programs keep an orientation in a PNG: texts of ImageMagick and ExifTool, a prefix of JPEG's, the
  * type LONG; XMP is told of alone. */
-static void test_png_exif_elsewhere(void **state) {
-    (void)state;
+TEST(test_png_exif_elsewhere) {
     static const char xmp[] = "XML:com.adobe.xmp\0\0\0\0\0<rdf:Description tiff:Orientation=\"8\"/>";
     unsigned char block[6 + sizeof turned_long] = "Exif\0\0", text[300], packed[400];
     memcpy(block + 6, turned_long, sizeof turned_long);
     for (int kind = 0; kind < 4; kind++) {
         bytes b = plain_png(8, PNG_COLOR_TYPE_RGB);
-        enc_image image;
         const char *key = kind == 1 ? "Raw profile type exif" : "Raw profile type APP1";
         size_t size = strlen(key) + 1;
         memcpy(text, key, size);
@@ -433,19 +405,15 @@ static void test_png_exif_elsewhere(void **state) {
         } else {
             add_chunk(&b, "eXIf", turned_long, sizeof turned_long, true);
         }
-        assert_int_equal(decode_bytes(b.data, b.size, &image), BTF_ERROR_UNSUPPORTED);
-        assert_non_null(strstr(message, "EXIF orientation 6"));
+        expect_refused(&b, BTF_ERROR_UNSUPPORTED, "EXIF orientation 6");
     }
     bytes b = plain_png(8, PNG_COLOR_TYPE_RGB);
     add_chunk(&b, "iTXt", xmp, sizeof xmp - 1, false);
-    enc_image image = decode_good(&b);
-    assert_non_null(strstr(image.info.notes.texts[IMAGE_NOTE_TURNED], "XMP orientation 8"));
-    enc_image_clear(&image);
+    expect_note(&b, IMAGE_NOTE_TURNED, "XMP orientation 8");
 }
 
 /* A profile among the texts counts where no chunk says anything. */
-static void test_png_profile_in_text(void **state) {
-    (void)state;
+TEST(test_png_profile_in_text) {
     unsigned char profile[400], text[1200] = "Raw profile type icc";
     const size_t profile_size = make_profile(profile, "Adobe RGB (1998)", false);
     size_t size = strlen((char *)text) + 1;
@@ -459,15 +427,11 @@ static void test_png_profile_in_text(void **state) {
         if (k) {
             add_chunk(&b, "sRGB", "", 1, false);
         }
-        enc_image image = decode_good(&b);
-        const char *note = image.info.notes.texts[IMAGE_NOTE_PROFILE];
-        assert_true(k ? note[0] == '\0' : strstr(note, "Adobe RGB") != NULL);
-        enc_image_clear(&image);
+        expect_note(&b, IMAGE_NOTE_PROFILE, k ? NULL : "Adobe RGB");
     }
 }
 
-static void test_png_alpha(void **state) {
-    (void)state;
+TEST(test_png_alpha) {
     bytes b = plain_png(8, PNG_COLOR_TYPE_RGB_ALPHA);
     enc_image image = decode_good(&b);
     assert_int_equal(image.channels, 3);
@@ -488,8 +452,8 @@ static bytes plain_jpeg(void) {
     for (int i = 0; i < W * H * 3; i++) {
         rgb[i] = (unsigned char)(i * 2);
     }
-    assert_int_equal(jpeg_image_write(file, W, H, rgb, 90, (btf_log){0}), BTF_OK);
-    void *data = read_whole_file(file, &b.size);
+    assert_int_equal(jpeg_image_write(temporary_file, W, H, rgb, 90, (btf_log){0}), BTF_OK);
+    void *data = read_whole_file(temporary_file, &b.size);
     assert_true(b.size < sizeof b.data);
     memcpy(b.data, data, b.size);
     free(data);
@@ -506,16 +470,13 @@ static void add_marker(bytes *b, int marker, const void *data, size_t size) {
     b->size += 4 + size;
 }
 
-static void test_jpeg_profile(void **state) {
-    (void)state;
+TEST(test_jpeg_profile) {
     for (size_t k = 0; k < 2 * sizeof profiles / sizeof *profiles; k++) {
         unsigned char marker[14 + 400] = "ICC_PROFILE\0\1\1";
         const size_t size = make_profile(marker + 14, profiles[k / 2].name, k % 2);
         bytes b = plain_jpeg();
         add_marker(&b, 0xE2, marker, 14 + size);
-        enc_image image = decode_good(&b);
-        expect_profile(&image, k / 2);
-        enc_image_clear(&image);
+        expect_profile(&b, k / 2);
     }
     for (int space = 0; space < 2; space++) { /* EXIF: uncalibrated, or sRGB */
         unsigned char exif[] = "Exif\0\0MM\0*\0\0\0\10\0\1\x87\x69\0\4\0\0\0\1\0\0\0\x1a\0\0\0\0"
@@ -532,25 +493,20 @@ static void test_jpeg_profile(void **state) {
 }
 
 /* An orientation of the type LONG turns; XMP's is told of alone. */
-static void test_jpeg_orientation(void **state) {
-    (void)state;
+TEST(test_jpeg_orientation) {
     static const char xmp[] = "http://ns.adobe.com/xap/1.0/\0<tiff:Orientation>3</tiff:Orientation>";
     unsigned char exif[6 + sizeof turned_long] = "Exif\0\0";
     memcpy(exif + 6, turned_long, sizeof turned_long);
     bytes b = plain_jpeg();
     add_marker(&b, 0xE1, xmp, sizeof xmp - 1);
-    enc_image image = decode_good(&b);
-    assert_non_null(strstr(image.info.notes.texts[IMAGE_NOTE_TURNED], "XMP orientation 3"));
-    enc_image_clear(&image);
+    expect_note(&b, IMAGE_NOTE_TURNED, "XMP orientation 3");
     add_marker(&b, 0xE1, exif, sizeof exif);
-    assert_int_equal(decode_bytes(b.data, b.size, &image), BTF_ERROR_UNSUPPORTED);
-    assert_non_null(strstr(message, "EXIF orientation 6"));
+    expect_refused(&b, BTF_ERROR_UNSUPPORTED, "EXIF orientation 6");
 }
 
 /* A sequential file whose scan header has the spectral range of a progressive one: read whole, and told. A
  * code that is broken stays refused. */
-static void test_jpeg_lenient(void **state) {
-    (void)state;
+TEST(test_jpeg_lenient) {
     bytes b = plain_jpeg(), strict = b;
     size_t at = 2;
     while (b.data[at + 1] != 0xDA) {
@@ -588,8 +544,7 @@ static bytes hdr_of(const char *lines, const char *resolution) {
 }
 
 /* The eight orders: which of the stored pixels lies where. */
-static void test_hdr_orders(void **state) {
-    (void)state;
+TEST(test_hdr_orders) {
     static const char *const orders[8] = {"-Y 6 +X 8", "-Y 6 -X 8", "+Y 6 +X 8", "+Y 6 -X 8",
                                           "+X 8 -Y 6", "+X 8 +Y 6", "-X 8 -Y 6", "-X 8 +Y 6"};
     for (int k = 0; k < 8; k++) {
@@ -609,10 +564,8 @@ static void test_hdr_orders(void **state) {
     }
     static const char *const bad[] = {"-Y 6 +Y 8", "-Z 6 +X 8", "Y 6 X 8", "-Y six +X 8", ""};
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
-        enc_image image;
         const bytes b = hdr_of("", bad[k]);
-        assert_int_equal(decode_bytes(b.data, b.size, &image), BTF_ERROR_UNSUPPORTED);
-        assert_non_null(strstr(message, "line 3"));
+        expect_refused(&b, BTF_ERROR_UNSUPPORTED, "line 3");
     }
     const bytes b = hdr_of("", "+X 6 -Y 6"); /* a square one is ATRIUM's, and that is told */
     enc_image image = decode_good(&b);
@@ -622,8 +575,7 @@ static void test_hdr_orders(void **state) {
 }
 
 /* Header lines of real writers. The values divide by `scale`. */
-static void test_hdr_headers(void **state) {
-    (void)state;
+TEST(test_hdr_headers) {
     char longest[600];
     memset(longest, 'x', sizeof longest);
     memcpy(longest, "VIEW= -vtl", 10);
@@ -673,23 +625,9 @@ static void test_hdr_headers(void **state) {
         char lines[100], expected[100];
         snprintf(lines, sizeof lines, "SOFTWARE=none\n%s", bad[k]);
         const bytes b = hdr_of(lines, "-Y 6 +X 8");
-        assert_int_equal(decode_bytes(b.data, b.size, &image), BTF_ERROR_BAD_FILE);
         snprintf(expected, sizeof expected, "line 3, \"%.*s\"", (int)strlen(bad[k]) - 1, bad[k]);
-        if (!strstr(message, expected)) {
-            fail_msg("\"%s\" does not say %s", message, expected);
-        }
+        expect_refused(&b, BTF_ERROR_BAD_FILE, expected);
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_png_transfer),       cmocka_unit_test(test_png_primaries),
-        cmocka_unit_test(test_png_profile),        cmocka_unit_test(test_png_exif_behind),
-        cmocka_unit_test(test_png_alpha),          cmocka_unit_test(test_jpeg_profile),
-        cmocka_unit_test(test_jpeg_lenient),       cmocka_unit_test(test_hdr_orders),
-        cmocka_unit_test(test_hdr_headers),        cmocka_unit_test(test_profile_contents),
-        cmocka_unit_test(test_png_exif_elsewhere), cmocka_unit_test(test_png_profile_in_text),
-        cmocka_unit_test(test_jpeg_orientation),
-    };
-    return cmocka_run_group_tests(tests, make_file, remove_file);
-}
+RUN_TESTS(make_temporary_file, remove_temporary_file)

@@ -2,61 +2,33 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/output.h"
 #include "decoder/toolkit/progress.h"
+#include "tests/support/messages.h"
+#include "tests/support/temporary.h"
+#include "tests/support/test.h"
 
 #include <dirent.h>
 #include <fcntl.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-static char folder[256], target[300], last_message[1024];
+static char target[300];
 
-static void keep_message(void *user, btf_log_level level, const char *text) {
-    (void)user;
-    (void)level;
-    snprintf(last_message, sizeof last_message, "%s", text);
-}
-static const btf_log log_to_test = {keep_message, NULL};
-
-static int make_folder(void **state) {
-    (void)state;
-    const char *base = getenv("TMPDIR");
-    snprintf(folder, sizeof folder, "%s/btf-output-XXXXXX", base && *base ? base : "/tmp");
-    if (!mkdtemp(folder)) {
-        return -1;
-    }
-    snprintf(target, sizeof target, "%s/result.bin", folder);
+static int set_up(void **state) {
+    const int result = make_temporary_folder(state);
+    snprintf(target, sizeof target, "%s/result.bin", temporary_folder);
     last_message[0] = '\0';
-    return 0;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    DIR *listing = opendir(folder);
-    for (struct dirent *e; listing && (e = readdir(listing));) {
-        unlinkat(dirfd(listing), e->d_name, 0);
-    }
-    closedir(listing);
-    return rmdir(folder);
+    return result;
 }
 
 static int files_in_folder(void) {
     int count = 0;
-    DIR *listing = opendir(folder);
+    DIR *listing = opendir(temporary_folder);
     assert_non_null(listing);
     for (struct dirent *e; (e = readdir(listing));) {
         count += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
@@ -76,17 +48,16 @@ static void expect_content(const char *path, const char *expected) {
 
 static void write_file(const char *text) {
     output *file;
-    assert_int_equal(output_open(target, log_to_test, &file), BTF_OK);
+    assert_int_equal(output_open(target, log_keep, &file), BTF_OK);
     fputs(text, output_stream(file));
     assert_int_equal(output_commit(&file), BTF_OK);
     assert_null(file);
 }
 
-static void test_commit(void **state) {
-    (void)state;
+TEST_WITH(test_commit, set_up, remove_temporary_folder) {
     output *file;
     write_file("old");
-    assert_int_equal(output_open(target, log_to_test, &file), BTF_OK);
+    assert_int_equal(output_open(target, log_keep, &file), BTF_OK);
     fputs("new", output_stream(file));
     fflush(output_stream(file));
     expect_content(target, "old"); /* until the commit */
@@ -96,11 +67,10 @@ static void test_commit(void **state) {
     assert_int_equal(files_in_folder(), 1);
 }
 
-static void test_abort(void **state) {
-    (void)state;
+TEST_WITH(test_abort, set_up, remove_temporary_folder) {
     output *file, *none = NULL;
     write_file("old");
-    assert_int_equal(output_open(target, log_to_test, &file), BTF_OK);
+    assert_int_equal(output_open(target, log_keep, &file), BTF_OK);
     fputs("half", output_stream(file));
     output_abort(&file);
     assert_null(file);
@@ -109,11 +79,10 @@ static void test_abort(void **state) {
     assert_int_equal(files_in_folder(), 1);
 }
 
-static void test_two_writers(void **state) {
-    (void)state;
+TEST_WITH(test_two_writers, set_up, remove_temporary_folder) {
     output *a, *b;
-    assert_int_equal(output_open(target, log_to_test, &a), BTF_OK);
-    assert_int_equal(output_open(target, log_to_test, &b),
+    assert_int_equal(output_open(target, log_keep, &a), BTF_OK);
+    assert_int_equal(output_open(target, log_keep, &b),
                      BTF_OK); /* must not take a's file for a stale one */
     fputs("a", output_stream(a));
     fputs("b", output_stream(b));
@@ -124,12 +93,11 @@ static void test_two_writers(void **state) {
     assert_int_equal(files_in_folder(), 1);
 }
 
-static void test_stale_files(void **state) {
-    (void)state;
+TEST_WITH(test_stale_files, set_up, remove_temporary_folder) {
     char dead[400], live[400], other[400];
-    snprintf(dead, sizeof dead, "%s/.result.bin.99-0.tmp", folder);
-    snprintf(live, sizeof live, "%s/.result.bin.99-1.tmp", folder);
-    snprintf(other, sizeof other, "%s/.other.bin.99-0.tmp", folder);
+    snprintf(dead, sizeof dead, "%s/.result.bin.99-0.tmp", temporary_folder);
+    snprintf(live, sizeof live, "%s/.result.bin.99-1.tmp", temporary_folder);
+    snprintf(other, sizeof other, "%s/.other.bin.99-0.tmp", temporary_folder);
     fclose(fopen(dead, "w"));
     fclose(fopen(other, "w"));
     const int fd = open(live, O_RDWR | O_CREAT, 0666);
@@ -149,7 +117,7 @@ static int end_of_child(void (*end)(void), int *out_files) {
     const pid_t child = fork();
     if (child == 0) {
         output *file;
-        if (output_open(target, log_to_test, &file) != BTF_OK) {
+        if (output_open(target, log_keep, &file) != BTF_OK) {
             _exit(99);
         }
         fputs("half", output_stream(file));
@@ -189,7 +157,7 @@ static struct sigaction bus_action;
 static void end_by_short_input(void) {
     char path[400];
     sigaction(SIGBUS, &bus_action, NULL);
-    snprintf(path, sizeof path, "%s/.input", folder);
+    snprintf(path, sizeof path, "%s/.input", temporary_folder);
     const int fd = open(path, O_RDWR | O_CREAT, 0666);
     unlink(path);
     if (ftruncate(fd, 4096) != 0) {
@@ -203,8 +171,7 @@ static void end_by_short_input(void) {
 }
 #endif
 
-static void test_ends_of_process(void **state) {
-    (void)state;
+TEST_WITH(test_ends_of_process, set_up, remove_temporary_folder) {
     int files;
     int status = end_of_child(end_by_exit, &files);
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 3);
@@ -228,10 +195,9 @@ static void test_ends_of_process(void **state) {
     assert_int_equal(files_in_folder(), 1);
 }
 
-static void test_other_targets(void **state) {
-    (void)state;
+TEST_WITH(test_other_targets, set_up, remove_temporary_folder) {
     output *file;
-    assert_int_equal(output_open("/dev/null", log_to_test, &file), BTF_OK);
+    assert_int_equal(output_open("/dev/null", log_keep, &file), BTF_OK);
     fputs("x", output_stream(file));
     assert_int_equal(output_commit(&file), BTF_OK);
     struct stat status;
@@ -242,7 +208,7 @@ static void test_other_targets(void **state) {
     char name[40], got[8] = "";
     assert_int_equal(pipe(ends), 0);
     snprintf(name, sizeof name, "/proc/self/fd/%d", ends[1]);
-    assert_int_equal(output_open(name, log_to_test, &file), BTF_OK);
+    assert_int_equal(output_open(name, log_keep, &file), BTF_OK);
     fputs("piped", output_stream(file));
     assert_int_equal(output_commit(&file), BTF_OK);
     assert_int_equal(read(ends[0], got, sizeof got), 5);
@@ -250,23 +216,23 @@ static void test_other_targets(void **state) {
     close(ends[0]);
     close(ends[1]);
 
-    assert_int_equal(output_open("/dev/full", log_to_test, &file), BTF_OK);
+    assert_int_equal(output_open("/dev/full", log_keep, &file), BTF_OK);
     fputs("x", output_stream(file));
     assert_int_equal(output_commit(&file), BTF_ERROR_IO);
     assert_non_null(strstr(last_message, "/dev/full"));
 
-    assert_int_equal(output_open(folder, log_to_test, &file), BTF_ERROR_IO);
+    assert_int_equal(output_open(temporary_folder, log_keep, &file), BTF_ERROR_IO);
     assert_non_null(strstr(last_message, "is a directory"));
     assert_null(file);
-    assert_int_equal(output_open("/nowhere/at/all", log_to_test, &file), BTF_ERROR_IO);
+    assert_int_equal(output_open("/nowhere/at/all", log_keep, &file), BTF_ERROR_IO);
     assert_non_null(strstr(last_message, "/nowhere/at/all"));
 
     /* a link stays one */
     char link_path[400];
     write_file("old");
-    snprintf(link_path, sizeof link_path, "%s/link", folder);
+    snprintf(link_path, sizeof link_path, "%s/link", temporary_folder);
     assert_int_equal(symlink("result.bin", link_path), 0);
-    assert_int_equal(output_open(link_path, log_to_test, &file), BTF_OK);
+    assert_int_equal(output_open(link_path, log_keep, &file), BTF_OK);
     fputs("new", output_stream(file));
     assert_int_equal(output_commit(&file), BTF_OK);
     expect_content(target, "new");
@@ -274,11 +240,10 @@ static void test_other_targets(void **state) {
     assert_true(S_ISLNK(status.st_mode));
 }
 
-static void test_same(void **state) {
-    (void)state;
+TEST_WITH(test_same, set_up, remove_temporary_folder) {
     char other[400], detour[400];
-    snprintf(other, sizeof other, "%s/other", folder);
-    snprintf(detour, sizeof detour, "%s/./%s", folder, strrchr(target, '/') + 1);
+    snprintf(other, sizeof other, "%s/other", temporary_folder);
+    snprintf(detour, sizeof detour, "%s/./%s", temporary_folder, strrchr(target, '/') + 1);
     unlink(target);
     assert_true(output_is_same(target, target)); /* none of them is there yet */
     assert_true(output_is_same(target, detour));
@@ -300,8 +265,7 @@ static void test_same(void **state) {
 }
 
 /* SIGINT is caught while a progress lives, and as before afterwards. */
-static void test_signals_given_back(void **state) {
-    (void)state;
+TEST(test_signals_given_back) {
     struct sigaction before, during, after;
     sigaction(SIGINT, NULL, &before);
     progress *p = progress_create(true);
@@ -313,8 +277,7 @@ static void test_signals_given_back(void **state) {
     assert_true(after.sa_handler == before.sa_handler);
 }
 
-static void test_stages(void **state) {
-    (void)state;
+TEST(test_stages) {
     progress *p = progress_create(true);
     assert_non_null(p);
     progress_begin(p, "read", 1000);
@@ -341,8 +304,7 @@ static void test_stages(void **state) {
 }
 
 /* A log that is no terminal gets few lines, quiet none. */
-static void test_plain_lines(void **state) {
-    (void)state;
+TEST_WITH(test_plain_lines, set_up, remove_temporary_folder) {
     for (int quiet = 0; quiet < 2; quiet++) {
         fflush(NULL);
         const pid_t child = fork();
@@ -376,21 +338,9 @@ static void test_plain_lines(void **state) {
 
 int main(void) {
     output *first; /* installs the handlers */
-    if (output_open("/dev/null", log_to_test, &first) == BTF_OK) {
+    if (output_open("/dev/null", log_keep, &first) == BTF_OK) {
         output_abort(&first);
     }
     sigaction(SIGBUS, NULL, &bus_action);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_commit, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_abort, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_two_writers, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_stale_files, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_ends_of_process, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_other_targets, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(test_same, make_folder, remove_folder),
-        cmocka_unit_test(test_signals_given_back),
-        cmocka_unit_test(test_stages),
-        cmocka_unit_test_setup_teardown(test_plain_lines, make_folder, remove_folder),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_listed("tests", NULL, NULL);
 }

@@ -1,0 +1,85 @@
+/* Unit tests that list themselves, on top of cmocka. A file of tests:
+ *
+ *     TEST(test_a_thing) {
+ *         assert_int_equal(1 + 1, 2);
+ *     }
+ *     RUN_TESTS(NULL, NULL)
+ *
+ * RUN_TESTS makes the main program: it runs the tests in the order of the file, after the first function and before the
+ * second (int name(void **state), 0: it worked). A test cannot be forgotten there, for there is no other list of them.
+ * The headers of C that nearly every test needs are included here.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef OPENBTF_TESTS_TEST_H
+#define OPENBTF_TESTS_TEST_H
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h> /* which needs setjmp.h to stdint.h before it */
+
+typedef struct test_list {
+    struct CMUnitTest tests[48];
+    int lines[48];
+    size_t count;
+} test_list;
+static test_list listed_tests, listed_numbers;
+
+/* Constructors run in no particular order: the lines sort the tests. */
+static inline void test_add(test_list *list, int line, struct CMUnitTest test) {
+    size_t at = list->count++;
+    if (at == sizeof list->lines / sizeof *list->lines) {
+        fputs("tests/support/test.h: more tests in a file than the list holds\n", stderr);
+        abort();
+    }
+    for (; at > 0 && list->lines[at - 1] > line; at--) {
+        list->tests[at] = list->tests[at - 1];
+        list->lines[at] = list->lines[at - 1];
+    }
+    list->tests[at] = test;
+    list->lines[at] = line;
+}
+
+#define TEST_IN(list, name, set_up, tear_down)                                                             \
+    static void name(void **);                                                                             \
+    __attribute__((constructor)) static void name##_is_listed(void) {                                      \
+        const struct CMUnitTest test = cmocka_unit_test_setup_teardown(name, set_up, tear_down);           \
+        test_add(&list, __LINE__, test);                                                                   \
+    }                                                                                                      \
+    static void name(__attribute__((unused)) void **no_state)
+
+#define TEST(name) TEST_IN(listed_tests, name, NULL, NULL)
+/* With functions that run before and after this test. */
+#define TEST_WITH(name, set_up, tear_down) TEST_IN(listed_tests, name, set_up, tear_down)
+/* Compares numbers of what the other tests call too: light runs leave it out. */
+#define TEST_OF_NUMBERS(name) TEST_IN(listed_numbers, name, NULL, NULL)
+
+/* Whether what only repeats is repeated less, as under the sanitizers (tests/meson.build). */
+static inline bool light_run(void) {
+    return getenv("BTF_TEST_LIGHT") != NULL;
+}
+
+/* Runs the tests of the file; gives the number of those that fail. */
+static inline int run_listed(const char *name, CMFixtureFunction set_up, CMFixtureFunction tear_down) {
+    int failed = _cmocka_run_group_tests(name, listed_tests.tests, listed_tests.count, set_up, tear_down);
+    if (listed_numbers.count && !light_run()) {
+        failed +=
+            _cmocka_run_group_tests("numbers", listed_numbers.tests, listed_numbers.count, NULL, NULL);
+    }
+    return failed;
+}
+
+#define RUN_TESTS(set_up, tear_down)                                                                       \
+    int main(void) {                                                                                       \
+        return run_listed("tests", set_up, tear_down);                                                     \
+    }
+
+#endif
