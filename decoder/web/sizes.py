@@ -19,7 +19,9 @@ ROWS = (
     ("`openbtf.wasm`", ("openbtf.wasm",)),
     ("scripts of `openbtf`", ("index.js", "material.js", "module.js", "records.js")),
     ("more for `openbtf/webgl`", ("webgl*.js", "self_test_lists.js")),
-    ("more for `openbtf/three`", ("three*.js",)),
+    ("beside those, for `openbtf/three`", ("three.js", "three_options.js")),
+    ("more for `openbtf/webgpu`", ("webgpu*.js", "self_test_lists.js")),
+    ("beside those, for `openbtf/three-webgpu`", ("three_webgpu.js", "three_options.js")),
 )
 TOLERANCE = 0.1
 

@@ -3,15 +3,15 @@
  *     run_browser.mjs chromium|firefox PACKAGE VECTORS GOLDEN NODE_MODULES BTF_RENDER SCRATCH [PART...]
  *
  * PACKAGE: the folder of the npm package. VECTORS: what vectors.py wrote. GOLDEN: tests/data/golden. NODE_MODULES: what npm.sh fetched.
- * SCRATCH: a folder for pictures of btf-render. PART: only these, of the files of page/; default all, those of engines in Chromium
- * alone. BTF_PICTURES in the environment: a folder, which gets the pictures that the tests of three.js and of the examples look at.
+ * SCRATCH: a folder for pictures of btf-render. PART: only these, of the files of page/; default all but those of WebGPU, those of
+ * engines in Chromium alone. BTF_PICTURES in the environment: a folder, which gets the pictures that the tests of three.js and of the examples look at.
  *
  * SPDX-License-Identifier: MIT
  */
 import { readdirSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { needPrograms, runPage } from './browser.mjs';
+import { WEBGPU, needPrograms, runPage } from './browser.mjs';
 import { exitCode, report } from './harness.mjs';
 import { SCENES, SIDE, drawScenes, fileOf } from './scenes.mjs';
 
@@ -32,7 +32,10 @@ const job = {
     scenes: SCENES.map((scene) => ({ ...scene, picture: fileOf(scene) })),
     side: SIDE,
 };
-if (job.parts.includes('three')) {
+if (job.parts.some((part) => part.startsWith('three_webgpu'))) {
+    WEBGPU.chromium.push(...WEBGPU.chromiumCanvas);
+}
+if (job.parts.includes('three') || job.parts.includes('three_webgpu')) {
     drawScenes(btfRender, join(golden, MATERIAL), scratch);
 }
 const folders = {

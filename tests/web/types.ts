@@ -3,9 +3,11 @@
  * SPDX-License-Identifier: MIT
  */
 import { DoubleSide, Mesh, PlaneGeometry, Vector2, WebGLRenderer } from 'three';
+import { WebGPURenderer } from 'three/webgpu';
 import { Material, OpenBTFError, load, memoryBytes, open } from 'openbtf';
 import type { Info, Plan, ShaderOptions, Texture } from 'openbtf';
 import { BTFMaterial } from 'openbtf/three';
+import { BTFMaterial as BTFNodeMaterial } from 'openbtf/three-webgpu';
 import { Textures, fits, selfTest, upload } from 'openbtf/webgl';
 
 export async function use(gl: WebGL2RenderingContext, renderer: WebGLRenderer, program: WebGLProgram): Promise<number> {
@@ -25,6 +27,8 @@ export async function use(gl: WebGL2RenderingContext, renderer: WebGLRenderer, p
     const repeat: Vector2 = shown.repeat;
     const bytes: number = shown.upload(renderer);
     const mesh = new Mesh(new PlaneGeometry(), shown.clone());
+    const nodes = new BTFNodeMaterial(material, { repeat: 2, side: DoubleSide, decode: { interpolation: 'nearest' } });
+    const taken: number = await nodes.upload(new WebGPURenderer()) + nodes.repeat.x + new Mesh(new PlaneGeometry(), nodes).id;
 
     // @ts-expect-error: a name that is no effect
     material.source({ leaveOut: ['shadows'] });
@@ -34,6 +38,8 @@ export async function use(gl: WebGL2RenderingContext, renderer: WebGLRenderer, p
     info.width = 1;
     // @ts-expect-error: nothing is picked at random in three
     new BTFMaterial(material, { decode: { picks: 'all' } });
+    // @ts-expect-error: a renderer of the other kind
+    await nodes.upload(renderer);
     // @ts-expect-error: no path of a file
     await open('bricks.btf.exr');
 
@@ -46,5 +52,5 @@ export async function use(gl: WebGL2RenderingContext, renderer: WebGLRenderer, p
     }
     const source: string = small.source();
     return source.length + list.length + psnr + radiance.length + units + failures + names.length + bytes + repeat.x + mesh.id
-        + memoryBytes() + Number(fits(gl, small)) + Number(material.closed);
+        + taken + memoryBytes() + Number(fits(gl, small)) + Number(material.closed);
 }

@@ -6,7 +6,7 @@
  *     const material = await open(await (await fetch('bricks.btf.exr')).arrayBuffer());
  *     scene.add(new Mesh(new SphereGeometry(1, 64, 32), new BTFMaterial(material, { repeat: 3 })));
  *
- * For WebGLRenderer of three 0.187; WebGPURenderer takes no material of this kind.
+ * For WebGLRenderer of three 0.187; `openbtf/three-webgpu` is for its WebGPURenderer.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -5,12 +5,8 @@
  * SPDX-License-Identifier: MIT
  */
 import { ExternalTexture, ShaderMaterial, UniformsLib, UniformsUtils, Vector2 } from 'three';
-import { OpenBTFError } from './module.js';
-import { known } from './records.js';
+import { readOptions } from './three_options.js';
 import { upload } from './webgl.js';
-
-/* Options of decoding that the shader text of this file can take: a direction that is fixed or picked at random needs other text. */
-const DECODE = ['leaveOut', 'components', 'interpolation', 'filter', 'math'];
 
 /* Position, normal, tangent and uv, through everything by which three moves vertices. The tangent is not made a unit vector here:
  * that of a geometry without tangents is 0. */
@@ -94,7 +90,7 @@ mat3 openbtfFrame(vec2 uv) {
     vec3 tangent = along - outward * dot(along, outward);
     float size = length(tangent);
     vec3 axis = abs(outward.x) < 0.6 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0);
-    tangent = size > 0.0 ? tangent / size : normalize(axis - outward * outward.x);
+    tangent = size > 0.0 ? tangent / size : normalize(axis - outward * dot(axis, outward));
     vec3 bitangent = cross(outward, tangent) * (handedness < 0.0 ? -1.0 : 1.0);
     bool behind = false;
     #if defined(FLIP_SIDED)
@@ -142,23 +138,14 @@ void main() {
 }
 `;
 
-function repeatOf(value) {
-    const repeat = typeof value === 'number' ? [value, value] : Array.from(value ?? []);
-    if (repeat.length !== 2 || !repeat.every((x) => typeof x === 'number' && Number.isFinite(x))) {
-        throw new OpenBTFError('USAGE', `repeat: not a number or two: ${JSON.stringify(value)}`);
-    }
-    return new Vector2(...repeat);
-}
-
 export class BTFMaterial extends ShaderMaterial {
     #btf;
     #decode;
     #uploads = new Map(); // by WebGL context: { textures, lost }
     #shown; // the textures that the uniforms hold now
 
-    constructor(btf, options = {}) {
-        const { repeat = 1, decode = {}, ...parameters } = options;
-        known('decode', decode, DECODE);
+    constructor(btf, options) {
+        const { repeat, decode, parameters } = readOptions(options);
         const names = new Set(btf.readTextures(decode).map(({ name }) => name));
         super({
             vertexShader: VERTEX,
@@ -166,7 +153,7 @@ export class BTFMaterial extends ShaderMaterial {
             uniforms: {
                 ...UniformsUtils.clone(UniformsLib.lights),
                 ...UniformsUtils.clone(UniformsLib.fog),
-                openbtfRepeat: { value: repeatOf(repeat) },
+                openbtfRepeat: { value: new Vector2(...repeat) },
                 ...Object.fromEntries(Array.from(names, (name) => [`btf_${name}`, { value: new ExternalTexture() }])),
             },
             defines: { USE_TANGENT: '' },
@@ -176,7 +163,7 @@ export class BTFMaterial extends ShaderMaterial {
         });
         this.type = 'BTFMaterial';
         this.#btf = btf;
-        this.#decode = { ...decode };
+        this.#decode = decode;
         this.defaultAttributeValues.tangent = [0, 0, 0, 1];
         this.setValues(parameters);
     }

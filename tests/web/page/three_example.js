@@ -1,25 +1,32 @@
-/* decoder/web/examples/three.html: runs it in a frame, turns the camera with the pointer, and looks for the shadow.
+/* decoder/web/examples/three.html and three-webgpu.html: runs one in a frame, turns the camera with the pointer, and looks at the picture.
  *
  * SPDX-License-Identifier: MIT
  */
 import { closeFrame, openFrame, pixelsOf, statusOf } from './frame.js';
 import { picture, report } from './post.js';
 
+/* Of each example, what it calls when it draws to the canvas: [class, function, whether a call is of the canvas]. */
+const DRAWS = {
+    three: ['WebGL2RenderingContext', 'drawElements', (gl, canvas) => gl.canvas === canvas],
+    'three-webgpu': ['GPUCanvasContext', 'getCurrentTexture', (context, canvas) => context.canvas === canvas],
+};
+
 /** The canvas once `act` has made the example draw; it draws when the camera moves, in the task of the event or in the next frame. */
-function after(frame, canvas, act) {
+function after(frame, canvas, example, act) {
     return new Promise((resolve) => {
-        const prototype = frame.contentWindow.WebGL2RenderingContext.prototype;
-        const { drawElements } = prototype;
+        const [kind, name, draws] = DRAWS[example];
+        const { prototype } = frame.contentWindow[kind];
+        const call = prototype[name];
         let drawn = false;
-        prototype.drawElements = function (...args) {
-            if (!drawn && this.canvas === canvas) {
+        prototype[name] = function (...args) {
+            if (!drawn && draws(this, canvas)) {
                 drawn = true;
                 queueMicrotask(() => { // the picture is complete when the task ends
-                    prototype.drawElements = drawElements;
+                    prototype[name] = call;
                     resolve(pixelsOf(canvas));
                 });
             }
-            return drawElements.apply(this, args);
+            return call.apply(this, args);
         };
         act();
     });
@@ -45,20 +52,23 @@ function differing(a, b) {
     return count;
 }
 
-export async function run({ material, damaged }) {
-    const frame = await openFrame(`/example/three.html?${material}`);
+/** Tests one of the two. */
+export async function runExample(example, { material, damaged }) {
+    const frame = await openFrame(`/example/${example}.html?${material}`);
     const said = await statusOf(frame);
-    await report('three example: a material is shown', /^\d+ x \d+ texels, \d+ bytes$/.test(said) ? '' : said);
+    await report(`${example} example: a material is shown`, /^\d+ x \d+ texels, \d+ bytes$/.test(said) ? '' : said);
     const canvas = frame.contentDocument.getElementById('canvas');
-    const first = await after(frame, canvas, () => drag(frame, canvas, [250, 250], [252, 250]));
-    const second = await after(frame, canvas, () => drag(frame, canvas, [250, 250], [330, 250]));
-    await report('three example: the picture has many colours', coloursOf(first) > 500 ? '' : `${coloursOf(first)}`);
-    await picture('three example', first, canvas.width);
+    const first = await after(frame, canvas, example, () => drag(frame, canvas, [250, 250], [252, 250]));
+    const second = await after(frame, canvas, example, () => drag(frame, canvas, [250, 250], [330, 250]));
+    await report(`${example} example: the picture has many colours`, coloursOf(first) > 500 ? '' : `${coloursOf(first)}`);
+    await picture(`${example} example`, first, canvas.width);
     const moved = differing(first, second);
-    await report('three example: dragging turns it', moved > 10000 ? '' : `${moved} pixels changed`);
+    await report(`${example} example: dragging turns it`, moved > 10000 ? '' : `${moved} pixels changed`);
     closeFrame(frame);
-    const refused = await openFrame(`/example/three.html?${damaged}`);
+    const refused = await openFrame(`/example/${example}.html?${damaged}`);
     const message = await statusOf(refused);
-    await report('three example: a file that is no material is refused in words', /not an OpenEXR file/.test(message) ? '' : message);
+    await report(`${example} example: a file that is no material is refused in words`, /not an OpenEXR file/.test(message) ? '' : message);
     closeFrame(refused);
 }
+
+export const run = (job) => runExample('three', job);

@@ -1,4 +1,7 @@
-/* The viewer in a browser that need not be driven: a page shows it in a frame, and uses it by events: test_engine.mjs BROWSER VIEWER.
+/* The viewer in a browser that need not be driven: a page shows it in a frame, and uses it by events: test_engine.mjs BROWSER VIEWER
+ * GOLDEN.
+ *
+ * GOLDEN: tests/data/golden.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -7,11 +10,11 @@ import { fileURLToPath } from 'node:url';
 import { needPrograms, runPage } from '../browser.mjs';
 import { exitCode, report } from '../harness.mjs';
 
-const [browser, viewer] = process.argv.slice(2);
+const [browser, viewer, golden] = process.argv.slice(2);
 needPrograms(browser);
 const here = dirname(fileURLToPath(import.meta.url));
 // the viewer's script is in it: only what lies under /example/ may have that
-const folders = { '/page/': join(here, 'page'), '/example/': dirname(resolve(viewer)) };
+const folders = { '/page/': join(here, 'page'), '/example/': dirname(resolve(viewer)), '/golden/': golden };
 const posts = { '/case': ({ name, wrong }) => report(name, wrong), '/note': (line) => console.log(line) };
-report(`${browser}: the page came to its end`, await runPage(browser, '/page/index.html', folders, posts, {}));
+report(`${browser}: the page came to its end`, await runPage(browser, '/page/index.html', folders, posts, { golden: 'v2-all.btf.exr' }));
 process.exit(exitCode());

@@ -1,4 +1,4 @@
-/* Uses the viewer in a frame, and posts what it saw.
+/* Uses the viewer in a frame, by events of its own making, and posts what it saw: what needs no driver of the browser.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -15,41 +15,143 @@ async function until(what, condition) {
     }
 }
 
-async function run() {
-    const errors = [];
-    const frame = document.createElement('iframe');
-    frame.width = 900;
-    frame.height = 560;
-    frame.src = '/example/viewer.html';
-    document.body.append(frame);
-    await new Promise((resolve) => { frame.onload = resolve; });
-    const { contentWindow: inside, contentDocument: page } = frame, { dataset } = page.documentElement;
-    inside.addEventListener('error', (event) => errors.push(event.message));
-    inside.addEventListener('unhandledrejection', (event) => errors.push(String(event.reason)));
-    const said = (id) => page.getElementById(id).textContent;
-    const check = (name, good, wrong) => post('/case', { name, wrong: good ? '' : wrong || 'not so' });
+const check = (name, good, wrong) => post('/case', { name: `viewer: ${name}`, wrong: good ? '' : wrong || 'not so' });
 
-    await until('the first picture', () => dataset.first || dataset.failed);
-    await check('viewer: a material is shown', dataset.first && !dataset.failed, dataset.failed);
-    await until('the self-test', () => dataset.exact);
-    await check('viewer: the self-test passes', dataset.exact === 'true', said('verdict'));
-    page.getElementById('check-button').click();
-    await until('the comparison', () => said('check'));
-    await check('viewer: 0 bits differ from the reference decoder', dataset.different === '0', said('check'));
-    page.getElementById('measure').click();
-    await until('the measurement', () => dataset.measured || !page.getElementById('message').hidden);
-    await check('viewer: times of effects are measured', Number(dataset.measured) > 0, said('message-text'));
-    page.getElementById('canvas').dispatchEvent(new inside.KeyboardEvent('keydown', { key: 'ArrowLeft', bubbles: true }));
-    await until('the link', () => inside.location.hash.includes('phi='));
-    for (const [id, value] of [['environment', 'sky'], ['picks', 'all'], ['compare', 'bare']]) {
-        const control = page.getElementById(id);
-        control.value = value;
-        control.dispatchEvent(new inside.Event('input', { bubbles: true }));
-        await until(id, () => inside.location.hash.includes(`${id}=${value}`) && dataset.samples >= 1);
+/** The viewer in a frame: its window and document, what it notes in attributes, and errors that it did not catch. */
+class Viewer {
+    errors = [];
+
+    static async open() {
+        const frame = document.createElement('iframe');
+        Object.assign(frame, { width: 900, height: 560, src: '/example/viewer.html' });
+        document.body.append(frame);
+        await new Promise((resolve) => { frame.onload = resolve; });
+        return new Viewer(frame);
     }
-    await check('viewer: environment, picked neighbours and a split picture are drawn', page.getElementById('message').hidden, said('message-text'));
-    await check('viewer: no error', errors.length === 0, errors.join('; '));
-    await post('/note', `${navigator.userAgent}: ${said('device')} First picture after ${dataset.first} ms; ${dataset.measured} ms for 512 x 512 pixels, on this machine`);
+
+    constructor({ contentWindow, contentDocument }) {
+        this.inside = contentWindow;
+        this.page = contentDocument;
+        this.data = contentDocument.documentElement.dataset;
+        contentWindow.addEventListener('error', (event) => this.errors.push(event.message));
+        contentWindow.addEventListener('unhandledrejection', (event) => this.errors.push(String(event.reason)));
+    }
+
+    byId(id) {
+        return this.page.getElementById(id);
+    }
+
+    said(id) {
+        return this.byId(id).textContent;
+    }
+
+    get hash() {
+        return this.inside.location.hash;
+    }
+
+    settled() {
+        return until('the picture', () => this.data.samples >= 1 && ['refining', 'done'].includes(this.data.state));
+    }
+
+    async set(id, value) {
+        const control = this.byId(id);
+        control.value = value;
+        control.dispatchEvent(new this.inside.Event('input', { bubbles: true }));
+        await until(id, () => this.hash.includes(`${id}=${value}`) && this.data.samples >= 1);
+    }
+
+    key(key, shiftKey = false) {
+        this.byId('canvas').dispatchEvent(new this.inside.KeyboardEvent('keydown', { key, shiftKey, bubbles: true }));
+    }
+
+    /** Drops a file on the picture. */
+    drop(name, bytes) {
+        const dataTransfer = new this.inside.DataTransfer();
+        dataTransfer.items.add(new this.inside.File([bytes], name));
+        for (const type of ['dragenter', 'dragover', 'drop']) {
+            this.byId('canvas').dispatchEvent(new this.inside.DragEvent(type, { dataTransfer, bubbles: true, cancelable: true }));
+        }
+    }
+}
+
+async function checkKeys(viewer) {
+    const keys = [['ArrowLeft', false, 'phi'], ['ArrowUp', true, 'lightTheta'], ['+', false, 'zoom'], ['.', false, 'exposure'], ['m', false, 'mesh'],
+        ['n', false, 'interpolation'], ['b', false, 'filter'], ['s', false, 'compare']];
+    for (const [key, shift, member] of keys) {
+        const before = viewer.hash;
+        viewer.key(key, shift);
+        await until(`the key ${key}`, () => viewer.hash !== before && viewer.hash.includes(`${member}=`));
+    }
+    viewer.key('r');
+    await until('the key r', () => viewer.hash === '');
+    await check('keys turn, light, zoom, expose, choose and go back', true);
+}
+
+/** Files that are dropped: a good one is shown; of a damaged and a wrong one a message says why not, and the material stays. */
+async function checkFiles(viewer, golden) {
+    const good = new Uint8Array(await (await fetch(`/golden/${golden}`)).arrayBuffer()), title = golden.replace('.btf.exr', '');
+    viewer.drop(golden, good);
+    await until('the file that is dropped', () => viewer.data.material === title);
+    await viewer.settled();
+    await check('a file that is dropped is shown', viewer.byId('message').hidden, viewer.said('message-text'));
+    const refused = [['damaged.btf.exr', good.subarray(0, good.length >> 1), /^damaged\.btf\.exr: ./],
+        ['notes.txt', new TextEncoder().encode('these are notes, and no material'), /not an OpenEXR file/]];
+    for (const [name, bytes, pattern] of refused) {
+        viewer.drop(name, bytes);
+        await until(`a message of ${name}`, () => !viewer.byId('message').hidden);
+        const message = viewer.said('message-text');
+        await check(`${name} is refused in words, and the material stays`,
+            pattern.test(message) && message.endsWith(`${title} stays.`) && viewer.data.material === title, message);
+        viewer.byId('message-close').click();
+    }
+    await viewer.settled();
+}
+
+/** The picture that is saved, looked into. */
+async function checkPicture(viewer) {
+    const { URL: urls, HTMLAnchorElement: Anchor } = viewer.inside, { createObjectURL } = urls;
+    let saved, name;
+    urls.createObjectURL = (blob) => {
+        saved = blob;
+        return createObjectURL.call(urls, blob);
+    };
+    Anchor.prototype.click = function () { name = this.download; };
+    viewer.byId('save').click();
+    await until('the picture is saved', () => name);
+    urls.createObjectURL = createObjectURL;
+    delete Anchor.prototype.click;
+    const image = await createImageBitmap(saved), canvas = new OffscreenCanvas(image.width, image.height), to = canvas.getContext('2d');
+    to.drawImage(image, 0, 0);
+    const colours = new Set(new Uint32Array(to.getImageData(0, 0, image.width, image.height).data.buffer)).size;
+    const { clientWidth, clientHeight } = viewer.byId('canvas');
+    await check('the picture is saved as PNG, of the size of the canvas', saved.type === 'image/png' && /^[\w.-]+\.png$/.test(name) && colours > 100
+        && image.width / image.height > 0.9 * clientWidth / clientHeight && image.width / image.height < 1.1 * clientWidth / clientHeight,
+        `${name}, ${saved.type}, ${image.width} x ${image.height} of ${clientWidth} x ${clientHeight}, ${colours} colours`);
+}
+
+async function run() {
+    const { golden } = await (await fetch('/job')).json();
+    const viewer = await Viewer.open(), { data } = viewer;
+    await until('the first picture', () => data.first || data.failed);
+    await check('a material is shown', data.first && !data.failed, data.failed);
+    await until('the self-test', () => data.exact);
+    await check('the self-test passes', data.exact === 'true', viewer.said('verdict'));
+    viewer.byId('check-button').click();
+    await until('the comparison', () => viewer.said('check'));
+    await check('0 bits differ from the reference decoder', data.different === '0', viewer.said('check'));
+    viewer.byId('measure').click();
+    await until('the measurement', () => data.measured || !viewer.byId('message').hidden);
+    await check('times of effects are measured', Number(data.measured) > 0, viewer.said('message-text'));
+    await checkKeys(viewer);
+    for (const [id, value] of [['environment', 'sky'], ['picks', 'all'], ['compare', 'bare']]) {
+        await viewer.set(id, value);
+    }
+    await check('environment, picked neighbours and a split picture are drawn', viewer.byId('message').hidden, viewer.said('message-text'));
+    viewer.byId('reset').click();
+    await checkFiles(viewer, golden);
+    await checkPicture(viewer);
+    await check('no error', viewer.errors.length === 0, viewer.errors.join('; '));
+    await post('/note', `${navigator.userAgent}: ${viewer.said('device')} First picture after ${data.first} ms; ${data.measured} ms for 512 x 512 pixels, on this machine`);
 }
 
 run().then(() => post('/done', ''), (error) => post('/done', `${error.message}\n${error.stack}`));

@@ -29,6 +29,18 @@ const json = async (path) => (await fetch(path)).json();
 const bytes = async (path) => (await fetch(path)).arrayBuffer();
 const wgsl = (options) => ({ ...options, language: 'wgsl' });
 
+/* Seconds so far by what they went to; told, never judged. */
+const spent = { compiling: 0, decoding: 0, 'the reference': 0 };
+
+async function timed(what, body) {
+    const start = performance.now();
+    const result = await body();
+    spent[what] += (performance.now() - start) / 1000;
+    return result;
+}
+
+const tellTimes = (of) => note(`${of}: seconds so far: ${Object.entries(spent).map(([what, seconds]) => `${what} ${seconds.toFixed(1)}`).join(', ')}`);
+
 /** Pipelines by text and plane. Layouts of the same entries are the same to WebGPU. */
 class Pipelines {
     #gpu;
@@ -43,7 +55,7 @@ class Pipelines {
         const key = `${name}\n${source}`;
         this.asked += 1;
         if (!this.#compiled.has(key)) {
-            this.#compiled.set(key, await compile(this.#gpu, source, layout, name));
+            this.#compiled.set(key, await timed('compiling', () => compile(this.#gpu, source, layout, name)));
         }
         return this.#compiled.get(key);
     }
@@ -63,7 +75,7 @@ async function replay(gpu, pipelines, vector, planes, change = (text) => text) {
         const options = wgsl({ ...optionsOf(vector, material.info), picks: name === 'picked' ? 'all' : 'none' });
         const textures = await upload(gpu, material, options);
         const compiled = await pipelines.get(change(material.source(options)), textures.layout, name);
-        const got = await evaluate(gpu, textures.bindGroup, compiled, vector.side, args, vector.level, vector.number);
+        const got = await timed('decoding', () => evaluate(gpu, textures.bindGroup, compiled, vector.side, args, vector.level, vector.number));
         different += differing(got, plane(data, WANTED[name], 3), data.length / 14);
         textures.destroy();
     }
@@ -84,7 +96,7 @@ async function compareVectors(gpu, vectors) {
                 wrong.push(`${vector.material} (${vector.about}): ${different} values differ`);
             }
             if (index % 10 === 9) {
-                await note(`vectors ${part + 1} of 3: ${index + 1} of ${list.length}`);
+                await tellTimes(`vectors ${part + 1} of 3: ${index + 1} of ${list.length}`);
             }
         }
         await report(`vectors ${part + 1} of 3: ${list.length} vectors, ${planes.join(' and ')}, 0 bits differ`, wrong.join('\n'));
@@ -100,9 +112,9 @@ async function compareReference(gpu, materials, long) {
         for (const variant of long ? VARIANTS : [VARIANTS[index % VARIANTS.length]]) {
             const options = wgsl(variant);
             const textures = await upload(gpu, material, options);
-            const compiled = await compile(gpu, material.source(options), textures.layout, 'radiance');
-            const got = await evaluate(gpu, textures.bindGroup, compiled, WIDE, pack(uv, light, view), level, 0);
-            const reference = material.evaluate(uv, light, view, { ...variant, level, reference: true });
+            const compiled = await timed('compiling', () => compile(gpu, material.source(options), textures.layout, 'radiance'));
+            const got = await timed('decoding', () => evaluate(gpu, textures.bindGroup, compiled, WIDE, pack(uv, light, view), level, 0));
+            const reference = await timed('the reference', () => material.evaluate(uv, light, view, { ...variant, level, reference: true }));
             const different = differing(got, new Uint32Array(reference.buffer), count);
             const lit = reference.reduce((sum, value) => sum + (value > 0 ? 1 : 0), 0);
             const label = `reference: ${name} level ${level} ${variant.interpolation} ${variant.filter}, ${3 * count} values`;
@@ -111,6 +123,7 @@ async function compareReference(gpu, materials, long) {
             textures.destroy();
         }
         material.close();
+        await tellTimes(name);
     }
 }
 
