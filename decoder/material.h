@@ -12,7 +12,7 @@
 struct btf_material {
     btf_material_info info;
     char *method, *options, *source; /* never NULL once made */
-    /* Those that have a shape; direction tables are in views and lights. */
+    /* The textures that have a shape (btf_material_texture_shape); direction tables are in views and lights. */
     void *texture[BTF_MAX_LEVELS][BTF_TEXTURE_COUNT];
     btfi_directions views, lights;
     btf_material_error *errors;

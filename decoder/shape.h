@@ -30,7 +30,7 @@ typedef struct btfi_name {
 btfi_name btfi_texture_name(uint32_t level, btf_texture_id id);
 /* The effects whose codes layout paper keeps in its atlas. */
 enum { BTFI_ATLAS_EFFECTS = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN };
-/* Those that need view_vectors. */
+/* The effects that need the texture view_vectors. */
 enum { BTFI_VECTOR_EFFECTS = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
 /* Names of the effects in the order of FORMAT.md section 3; NULL beyond the last. */
 const char *btfi_effect_name(int index);

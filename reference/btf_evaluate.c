@@ -94,7 +94,7 @@ static evaluation make_evaluation(const btf_ref_material *material, const btf_re
     return e;
 }
 
-/** The same with all neighbours looked up: with gloss, lights of each view. */
+/** An evaluation whose neighbours are looked up here, with gloss the lights of each view. */
 static evaluation look_up(const btf_ref_material *material, const btf_ref_options *options,
                           const float light[3], const float view[3]) {
     int32_t q[2];

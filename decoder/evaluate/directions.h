@@ -9,8 +9,8 @@
 
 #pragma GCC visibility push(hidden)
 
-/* Those of non-zero weight, in their order; weights sum to 4096. Behind them the first again, of weight 0.
- */
+/* The neighbours of a direction that have a weight, in their order; weights sum to 4096. The rest of the three is
+ * the first of them again, with weight 0. */
 typedef struct btfi_neighbours {
     int count;
     uint32_t index[3];

@@ -103,7 +103,7 @@ void btfi_relief(const btf_evaluator *e, const btfi_level *l, const btfi_situati
     if (flat || !occlusion) {
         return;
     }
-    /* Those behind the last have none: it takes what rounding leaves. */
+    /* The last neighbour takes what rounding leaves of 4096; entries behind it have no weight. */
     out_weights[0] = s->views.count == 1 ? 4096 : ((visible[0] >> 6) << 12) / (total >> 6);
     if (s->views.count > 1) {
         out_weights[1] =

@@ -87,7 +87,7 @@ static bool same_answer(const btfi_directions *whole, const btfi_subset *kept, c
     return same;
 }
 
-/* Those that `keep` says, [direction]; NULL: all. */
+/* Takes the directions for which `keep` [direction] is true; NULL: all. */
 static void select_directions(const btfi_directions *whole, const bool *keep, btfi_subset *out) {
     out->count = 0;
     for (uint32_t i = 0; i < whole->count; i++) {

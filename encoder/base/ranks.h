@@ -62,16 +62,16 @@ void enc_ranks_range(const enc_context *context, size_t count, size_t *out_first
 void enc_ranks_range_of(const enc_context *context, int rank, size_t count, size_t *out_first,
                         size_t *out_end);
 
-/* The result of all: BTF_OK, or that of the lowest rank that failed. BTF_ERROR_INTERRUPTED where a rank was
- * asked to stop. Once it failed, it returns the same without waiting for anybody, until enc_ranks_begin. */
+/* Returns the result of all ranks: BTF_OK, or the result of the lowest rank that failed; BTF_ERROR_INTERRUPTED
+ * where a rank was asked to stop. After a failure further calls return the same at once, until enc_ranks_begin. */
 btf_result enc_ranks_agree(const enc_context *context, btf_result result);
-/* Whether it holds on every rank. False, too, where ranks failed. */
+/* Whether `holds` is true on every rank; false where a rank failed. */
 bool enc_ranks_all(const enc_context *context, bool holds);
 
 /* Completes array [count] of items of `item_bytes`, of which each rank has filled its slice. */
 btf_result enc_ranks_gather(const enc_context *context, btf_result result, void *array, size_t item_bytes,
                             size_t count);
-/* The same where rank r has filled items bounds[r] .. bounds[r + 1] - 1. */
+/* Completes such an array of which rank r has filled items bounds[r] .. bounds[r + 1] - 1. */
 btf_result enc_ranks_gather_bounds(const enc_context *context, btf_result result, void *array,
                                    size_t item_bytes, const size_t *bounds);
 /* Hands floats send_bounds[r] .. send_bounds[r + 1] - 1 of `send` to rank r, which finds them at its

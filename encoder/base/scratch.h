@@ -20,14 +20,14 @@ btf_result enc_scratch_open(const enc_context *context, const char *what, uint64
  * BTF_ERROR_IO. */
 btf_result enc_scratch_folder(const enc_context *context, uint64_t size, const char **out_folder);
 
-/* The same file for all ranks, made by rank 0 where all of them find it. Where the ranks are on
- * one machine it has no name afterwards, and *out_path is NULL. Else it keeps one until it is removed: the
- * next rank 0 on that machine removes what a dead one left. On error nothing stays. Errors: BTF_ERROR_IO,
- * naming rank, machine and folder; BTF_ERROR_MEMORY. */
+/* Opens one scratch file for all ranks, which rank 0 makes where all of them find it. Where the ranks are on one
+ * machine, the file has no name afterwards, and *out_path is NULL. Else it keeps its name until it is removed; the
+ * next rank 0 on that machine removes files that a dead one left. After an error no file stays. Errors:
+ * BTF_ERROR_IO, naming rank, machine and folder; BTF_ERROR_MEMORY. */
 btf_result enc_scratch_open_shared(const enc_context *context, const char *what, uint64_t size, int *out_fd,
                                    char **out_path);
-/* All ranks have written what they had to; after it, each reads what any of them wrote. Ranks other than 0
- * forget *io_path, which is then rank 0's to remove. Errors: `result`, BTF_ERROR_IO. */
+/* Waits until all ranks have written their parts; from then on each can read what any of them wrote. Ranks other
+ * than 0 forget *io_path, which rank 0 is to remove. Errors: `result`, BTF_ERROR_IO. */
 btf_result enc_scratch_written(const enc_context *context, btf_result result, int *io_fd, char **io_path);
 
 /* Reads or writes `size` bytes at `offset`. Thread-safe. Errors: BTF_ERROR_IO. */

@@ -237,7 +237,7 @@ static void tell(const enc_context *context, const enc_pairs *pairs, size_t i, c
     }
 }
 
-/* Likewise, of values that are set to 0. */
+/* Logs that values below 0 of an image are set to 0, unless another image had such values before. */
 static void tell_negative(const enc_context *context, const enc_pairs *pairs, size_t i, size_t negative) {
     if (negative == 0 || pairs->source->reported_negative) {
         return;

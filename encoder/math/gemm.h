@@ -32,7 +32,7 @@ static inline size_t enc_gemm_panels(size_t rows, size_t width) {
  * ENC_GEMM_M for left operands and ENC_GEMM_N for right ones. */
 void enc_gemm_pack_rows(size_t rows, size_t k, const float *source, size_t pitch, size_t width,
                         float *packed);
-/* The same for a source given column by column, [k][rows] of pitch `pitch`. */
+/* Packs rows from a source given column by column, [k][rows] of pitch `pitch`, as enc_gemm_pack_rows does. */
 void enc_gemm_pack_columns(size_t rows, size_t k, const float *source, size_t pitch, size_t width,
                            float *packed);
 

@@ -21,7 +21,7 @@ enum { ENC_LANES = 16 };
 
 typedef float enc_v16 __attribute__((vector_size(64), may_alias));
 typedef int32_t enc_i16 __attribute__((vector_size(64), may_alias));
-/* The same without an alignment, for loads from and stores to anywhere. */
+/* An enc_v16 without an alignment, for loads from and stores to anywhere. */
 typedef float enc_v16u __attribute__((vector_size(64), aligned(4), may_alias));
 
 #define ENC_INLINE static inline __attribute__((always_inline))

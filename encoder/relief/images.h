@@ -30,13 +30,13 @@ typedef enum enc_relief_kind {
     ENC_RELIEF_KINDS,
 } enc_relief_kind;
 
-/* Reads every sample once. The images have width >> shift columns and height >> shift rows, each texel the
- * mean of those that it covers; 1 << shift must divide both. Steps of the stage: the data's texels. The
- * same bits for any number of threads. Errors: those of the data, BTF_ERROR_MEMORY (not logged),
+/* Makes the images of the data, reading every sample once. The images have width >> shift columns and height >>
+ * shift rows, each texel the mean of those that it covers; 1 << shift must divide both. Steps of the stage: the
+ * data's texels. The same bits for any number of threads. Errors: those of the data, BTF_ERROR_MEMORY (not logged),
  * BTF_ERROR_INTERRUPTED. */
 btf_result enc_relief_images_create(const enc_context *context, const enc_data *data, int shift,
                                     enc_relief_images out_images[ENC_RELIEF_KINDS]);
-/* The same, of half of the columns and rows, filtered. Errors, not logged: BTF_ERROR_MEMORY. */
+/* Makes images of half the columns and rows by filtering. Errors, not logged: BTF_ERROR_MEMORY. */
 btf_result enc_relief_images_halve(const enc_relief_images *images, enc_relief_images *out_images);
 void enc_relief_images_clear(enc_relief_images *images);
 

@@ -343,6 +343,17 @@ CHANGES = [
         ("decoder/wgsl/preprocess.c", "if (++c->depth > DEEPEST) {", "if (++c->depth == 0) {")]),
     ("a name that the translator makes taken from the text in WGSL", "wgsl_translate", [
         ("decoder/wgsl/parser.c", "if (is_reserved && name->kind == BTFI_TOKEN_NAME) {", "if (is_reserved > 1) {")]),
+    ("btf-shader: a folder replaced without --force", "tools_shader", [
+        ("decoder/tools/shader/folder.c", "if (!empty && !replace) {", "if (stranger[0] && !replace) {")]),
+    ("btf-shader: the folder of a live run taken for a dead one's", "tools_shader", [
+        ("decoder/tools/shader/folder.c", "if (flock(fd, LOCK_EX | LOCK_NB) == 0 && is_at(fd, path)) {", "if (is_at(fd, path)) {")]),
+    ("btf-shader: levels of KTX files in the order of DDS", "tools_shader", [
+        ("decoder/tools/shader/texture_file.c", "store == TEXTURE_STORE_KTX2 ? texture->count - 1 - i : i", "i")]),
+    ("btf-shader: bindings told without --first-binding", "tools_shader", [
+        ("decoder/tools/shader/manifest.c", "(int64_t)m->options->first_binding + t->levels.id", "(int64_t)t->levels.id")]),
+    ("btf-shader: the uniform that stays 0 not told where it is needed", "tools_shader", [
+        ("decoder/tools/shader/manifest.c", "if (facts->needs_zero && m->options->math == BTF_MATH_EXACT) {",
+         "if (facts->needs_zero && m->options->math != BTF_MATH_EXACT) {")]),
 ]
 
 TOOLS = ['encoder/btf-encode', 'encoder/btf-compare', 'decoder/tools/btf-info', 'decoder/tools/btf-decode',
@@ -365,6 +376,8 @@ def program(tree, test):
     tests = f'{tree}/tests'
     if test in ('stability_faults', 'stability_archives'):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
+    if test == 'tools_shader':
+        return ['decoder/tools/shader/btf-shader', 'tests/support/libmoment.so'], ['env', 'BTF_TEST_LIGHT=1', f'{tests}/tools/test_shader.sh']
     if test == 'fuzz-exr':
         return [f'tests/fuzz/{test}'], [f'{tree}/build/tests/fuzz/{test}', f'{tests}/fuzz/corpus/exr']
     if test == 'valgrind':

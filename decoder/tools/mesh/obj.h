@@ -7,14 +7,14 @@
 
 #include "mesh.h"
 
-/* Reads an OBJ file: v, vt, vn, f (polygons, concave or not, with any number of corners; negative
- * indices, "v", "v/t", "v//n", "v/t/n"); other statements are skipped, and a byte-order mark is. Texture
- * coordinates are required; missing normals are averaged over faces by area, tangents follow from uv. The mesh is centred and scaled into the unit sphere.
- * Messages name file, line and value. At most 2^24 corners and 1 GB. Errors: BTF_ERROR_IO,
+/* Reads an OBJ file: v, vt, vn, f (polygons, concave or not, with any number of corners; negative indices, "v",
+ * "v/t", "v//n", "v/t/n"); other statements and a byte-order mark are skipped. Texture coordinates are required;
+ * missing normals are averaged over faces by area, tangents follow from uv. The mesh is centred and scaled into the
+ * unit sphere. Messages name file, line and value. At most 2^24 corners and 1 GB. Errors: BTF_ERROR_IO,
  * BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (size, UTF-16), BTF_ERROR_MEMORY. */
 btf_result mesh_read_obj(const char *path, const btf_log *log, mesh **out_mesh);
 
-/* The same from text[size]; `name` stands in messages. */
+/* Reads an OBJ file from text[size]; `name` stands for its path in messages. */
 btf_result mesh_parse_obj(const char *name, const char *text, size_t size, const btf_log *log,
                           mesh **out_mesh);
 

@@ -3,14 +3,13 @@
  * SPDX-License-Identifier: MIT
  */
 #include "decoder/toolkit/file.h"
-#include "decoder/toolkit/filter.h"
 #include "decoder/toolkit/output.h"
 #include "decoder/toolkit/progress.h"
 #include "decoder/toolkit/scene_option.h"
 #include "decoder/tools/original/data_set.h"
 #include "environment.h"
-#include "figure.h"
 #include "frame_plan.h"
+#include "job.h"
 #include "light_option.h"
 #include "decoder/tools/mesh/obj.h"
 #include "original.h"
@@ -23,29 +22,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* All that one run of btf-render has open. */
-typedef struct job {
-    btf_log log;
-    btf_material *material, *baseline;
-    btf_material_info info;
-    mesh *mesh;
-    bvh *bvh;
-    shader *shader, *baseline_shader;
-    original *original;
-    render_scene scene;
-    light *lights;                    /* as given */
-    sampled_environment *environment; /* with --light environment */
-    btf_shader_options still;         /* without a plan: what is the same in every sample of every frame */
-    still_lights still_lights;        /* several that are the same in every sample */
-    light_list together;              /* one that stands for them */
-    /* with --plan auto */
-    btf_material *whole;
-    plan_range *seen; /* [frame] */
-    btf_plan plan;
-    btf_cost_model costs; /* with --costs */
-    int planned_end;      /* the frame that it is not for any more */
-} job;
 
 static btf_result make_lights(const btf_log *log) {
     if (render_options.environment && !render_options.env_sampled) {
@@ -394,82 +370,6 @@ static bool frame_path(int frame, char *path, size_t size) {
     return length >= 0 && (size_t)length < size;
 }
 
-static void print_times(const char *name, const shader_times *t) {
-    printf("%s: %.2f ms a frame, %.1f frames a second, %.2f ms of CPU\n", name, 1e3 * t->seconds,
-           1 / t->seconds, 1e3 * t->cpu);
-}
-
-static void print_stats(const job *j, const render_times *t) {
-    printf("device: %s\nfolded: %s\n", shader_name(j->shader), shader_folded(j->shader));
-    if (j->environment) {
-        printf("environment: %d directions a sample\n", sampled_environment_count(j->environment));
-    }
-    printf("picture: %d x %d, %d samples a pixel, %zu lights, %s, %s, %s\n", j->scene.width,
-           j->scene.height, j->scene.samples * j->scene.samples, render_options.lights.count,
-           (j->whole && !render_options.interpolation_given
-                ? j->plan.shader.interpolation
-                : (btf_interpolation)render_options.interpolation) == BTF_INTERPOLATION_NEAREST
-               ? "nearest"
-               : "linear",
-           filter_name((btf_filter)render_options.filter),
-           render_options.math == BTF_MATH_FAST ? "fast" : "exact");
-    printf("cast: %.1f ms\nshade: %.1f ms\n", 1e3 * t->cast, 1e3 * t->shade);
-    if (t->decode.seconds > 0) {
-        print_times("decode", &t->decode);
-        print_times("phong", &t->phong);
-    }
-}
-
-static btf_result render_one(job *j, const char *path) {
-    picture picture;
-    const evaluator evaluator = evaluator_of_shader(j->shader, 0);
-    render_times times = {.shader = j->shader,
-                          .repeats = render_options.stats && strcmp(render_options.device, "reference")
-                                         ? render_options.repeats
-                                         : 0};
-    btf_result result = render_frame(&j->scene, &evaluator, 1, &picture, NULL, &times, &j->log);
-    if (result) {
-        return result;
-    }
-    picture_expose(&picture, exp2(render_options.exposure));
-    result = picture_write(&picture, path, (tone)render_options.tone, j->log);
-    picture_clear(&picture);
-    if (!result && render_options.stats) {
-        print_stats(j, &times);
-    }
-    return result;
-}
-
-static btf_result render_figure(job *j, const char *path) {
-    picture pictures[FIGURE_COLUMNS];
-    evaluator evaluators[FIGURE_COLUMNS] = {original_evaluator(j->original)};
-    render_times times = {0};
-    unsigned char *mask = calloc((size_t)j->scene.width * (size_t)j->scene.height, 1);
-    if (!mask) {
-        return cli_error(&render_program, BTF_ERROR_MEMORY, "out of memory for a mask");
-    }
-    for (int i = 1; i < FIGURE_COLUMNS; i++) {
-        evaluators[i] =
-            evaluator_of_shader(i < 3 && j->baseline_shader ? j->baseline_shader : j->shader, i - 1);
-    }
-    btf_result result =
-        render_frame(&j->scene, evaluators, FIGURE_COLUMNS, pictures, mask, &times, &j->log);
-    if (!result) {
-        for (int i = 0; i < FIGURE_COLUMNS; i++) {
-            picture_expose(&pictures[i], exp2(render_options.exposure));
-        }
-        result = figure_write(pictures, mask, path, (tone)render_options.tone, j->log);
-        for (int i = 0; i < FIGURE_COLUMNS; i++) {
-            picture_clear(&pictures[i]);
-        }
-    }
-    free(mask);
-    if (!result && render_options.stats) {
-        print_stats(j, &times);
-    }
-    return result;
-}
-
 static btf_result render_all(job *j) {
     btf_result result = BTF_OK;
     for (int frame = 0; frame < render_options.frames && !result; frame++) {
@@ -484,7 +384,7 @@ static btf_result render_all(job *j) {
             break;
         }
         set_frame(j, frame);
-        result = render_options.figure13 ? render_figure(j, path) : render_one(j, path);
+        result = render_options.figure13 ? job_render_figure(j, path) : job_render(j, path);
         if (render_options.frames > 1 && !render_options.quiet && !result) {
             fprintf(stderr, "%s\n", path);
         }
@@ -520,19 +420,7 @@ static btf_result run(const cli_arguments *arguments) {
     if (result == BTF_ERROR_INTERRUPTED) {
         cli_error(&render_program, result, "interrupted");
     }
-    original_close(&j.original);
-    shader_destroy(&j.shader);
-    shader_destroy(&j.baseline_shader);
-    bvh_destroy(&j.bvh);
-    mesh_destroy(&j.mesh);
-    sampled_environment_destroy(&j.environment);
-    btf_material_close(&j.material);
-    btf_material_close(&j.whole);
-    btf_material_close(&j.baseline);
-    free(j.seen);
-    free(j.lights);
-    still_lights_clear(&j.still_lights);
-    light_list_clear(&render_options.lights);
+    job_close(&j);
     return result;
 }
 

@@ -120,7 +120,7 @@ typedef struct btf_ref_neighbours {
 void btf_ref_evaluate(const btf_ref_material *material, const btf_ref_options *options, float u, float v,
                       const float light[3], const float view[3], float out_rgb[3]);
 
-/** The same at texel (column, row) of the level, row 0 the top, without texture addressing or filter. */
+/** The radiance at texel (column, row) of the level, row 0 the top, without texture addressing or filter. */
 void btf_ref_evaluate_texel(const btf_ref_material *material, const btf_ref_options *options,
                             uint32_t column, uint32_t row, const float light[3], const float view[3],
                             float out_rgb[3]);
@@ -134,7 +134,8 @@ void btf_ref_evaluate_neighbours(const btf_ref_material *material, const btf_ref
                                  const btf_ref_neighbours *views, const float light[3], const float view[3],
                                  float out_rgb[3]);
 
-/** The same with lights of their own for each of the three views, as gloss has them: @p lights [3], of views->index. */
+/** btf_ref_evaluate_neighbours() with lights of their own for each of the three views, as gloss has them: @p lights
+ * [3], of views->index. */
 void btf_ref_evaluate_apart(const btf_ref_material *material, const btf_ref_options *options, uint32_t column,
                             uint32_t row, const btf_ref_neighbours lights[3], const btf_ref_neighbours *views,
                             const float light[3], const float view[3], float out_rgb[3]);
@@ -211,9 +212,9 @@ void btf_ref_evaluate_radiance_blend(const btf_ref_material *material, const btf
                                      int picks, float u, float v, const float light[3], const float view[3],
                                      float out_rgb[3]);
 
-/** The same at @p level between two of the @p count levels of detail, 0 the finest, of which one is picked, too (by
- * bits 8 to 15 of the third number): @p levels are those of one material, by rising level. A level below 0 or NaN
- * counts as 0, one beyond the last as the last. */
+/** btf_ref_evaluate_stochastic() at @p level between two of the @p count levels of detail, 0 the finest, of which
+ * one is picked, too (by bits 8 to 15 of the third number): @p levels are those of one material, by rising level. A
+ * level below 0 or NaN counts as 0, one beyond the last as the last. */
 void btf_ref_evaluate_stochastic_between(const btf_ref_material *levels, uint32_t count,
                                          const btf_ref_options *options, int picks, float level, float u,
                                          float v, const float light[3], const float view[3],
