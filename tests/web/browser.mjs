@@ -117,7 +117,7 @@ const SILENT_MINUTES = 60;
  * Runs a page in a browser until it posts to /done.
  * @param folders {'/prefix/': folder, or several} that are served
  * @param posts {'/path': function of what was posted, parsed}
- * @param job what GET /job answers
+ * @param job what GET /job answers; GET /core-seconds answers those that the browser has taken
  * @param expected patterns, each of a line that the browser's console must print; any other line there is an error
  * @returns '' or what went wrong: what was posted to /done, or the console's errors
  */
@@ -145,6 +145,10 @@ export async function runPage(browser, page, folders, posts, job, expected = [])
         }
         if (pathname === '/job') {
             answer(200, JSON.stringify(job), 'application/json');
+            return;
+        }
+        if (pathname === '/core-seconds') { // of the browser so far, for pages that take times
+            answer(200, String(coreSeconds(child.pid)));
             return;
         }
         if (pathname === '/favicon.ico') { // browsers ask for it by themselves
