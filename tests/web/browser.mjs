@@ -4,7 +4,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-import { spawn, spawnSync } from 'node:child_process';
+import { execFileSync, spawn, spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import { mkdtempSync, readdirSync, rmSync, writeFileSync, readFileSync, existsSync } from 'node:fs';
 import { createServer } from 'node:http';
@@ -52,6 +52,18 @@ export function needPrograms(browser) {
         if (spawnSync('sh', ['-c', `command -v ${program}`]).status !== 0) {
             console.log(`${program} is missing: apt-get install ${name}, or run tests/run.sh --core, which leaves the tests of decoder/web out`);
             process.exit(1);
+        }
+    }
+}
+
+/** Skips the test, with the reason, where the browser's version has no WebGPU. */
+export function needWebGPU(browser) {
+    if (browser === 'firefox') {
+        const version = execFileSync('firefox-esr', ['--version'], { encoding: 'utf8' });
+        const number = Number(/(\d+)\./.exec(version)?.[1]);
+        if (number < 141) { // its releases refuse WebGPU, whatever the preferences say
+            console.log(`skipped: ${version.trim()} has no WebGPU, which releases of Firefox have from 141 on`);
+            process.exit(77);
         }
     }
 }
