@@ -4,7 +4,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-import { spawn, spawnSync } from 'node:child_process';
+import { execFileSync, spawn, spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import { mkdtempSync, readdirSync, rmSync, writeFileSync, readFileSync, existsSync } from 'node:fs';
 import { createServer } from 'node:http';
@@ -52,6 +52,18 @@ export function needPrograms(browser) {
         if (spawnSync('sh', ['-c', `command -v ${program}`]).status !== 0) {
             console.log(`${program} is missing: apt-get install ${name}, or run tests/run.sh --core, which leaves the tests of decoder/web out`);
             process.exit(1);
+        }
+    }
+}
+
+/** Skips the test, with the reason, where the browser's version has no WebGPU. */
+export function needWebGPU(browser) {
+    if (browser === 'firefox') {
+        const version = execFileSync('firefox-esr', ['--version'], { encoding: 'utf8' });
+        const number = Number(/(\d+)\./.exec(version)?.[1]);
+        if (number < 141) { // its releases refuse WebGPU, whatever the preferences say
+            console.log(`skipped: ${version.trim()} has no WebGPU, which releases of Firefox have from 141 on`);
+            process.exit(77);
         }
     }
 }
@@ -117,7 +129,7 @@ const SILENT_MINUTES = 60;
  * Runs a page in a browser until it posts to /done.
  * @param folders {'/prefix/': folder, or several} that are served
  * @param posts {'/path': function of what was posted, parsed}
- * @param job what GET /job answers
+ * @param job what GET /job answers; GET /core-seconds answers those that the browser has taken
  * @param expected patterns, each of a line that the browser's console must print; any other line there is an error
  * @returns '' or what went wrong: what was posted to /done, or the console's errors
  */
@@ -145,6 +157,10 @@ export async function runPage(browser, page, folders, posts, job, expected = [])
         }
         if (pathname === '/job') {
             answer(200, JSON.stringify(job), 'application/json');
+            return;
+        }
+        if (pathname === '/core-seconds') { // of the browser so far, for pages that take times
+            answer(200, String(coreSeconds(child.pid)));
             return;
         }
         if (pathname === '/favicon.ico') { // browsers ask for it by themselves

@@ -4,14 +4,15 @@
  *
  * PACKAGE: the folder of the npm package. VECTORS: what vectors.py wrote. GOLDEN: tests/data/golden. NODE_MODULES: what npm.sh fetched.
  * SCRATCH: a folder for pictures of btf-render. PART: only these, of the files of page/; default all but those of WebGPU, those of
- * engines in Chromium alone. BTF_PICTURES in the environment: a folder, which gets the pictures that the tests of three.js and of the examples look at.
+ * engines in Chromium alone. BTF_PICTURES in the environment: a folder, which gets the pictures that the tests of three.js and of the
+ * examples look at.
  *
  * SPDX-License-Identifier: MIT
  */
 import { readdirSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { WEBGPU, needPrograms, runPage } from './browser.mjs';
+import { WEBGPU, needPrograms, needWebGPU, runPage } from './browser.mjs';
 import { exitCode, report } from './harness.mjs';
 import { SCENES, SIDE, drawScenes, fileOf } from './scenes.mjs';
 
@@ -33,6 +34,7 @@ const job = {
     side: SIDE,
 };
 if (job.parts.some((part) => part.startsWith('three_webgpu'))) {
+    needWebGPU(browser);
     WEBGPU.chromium.push(...WEBGPU.chromiumCanvas);
 }
 if (job.parts.includes('three') || job.parts.includes('three_webgpu')) {

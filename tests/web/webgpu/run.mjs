@@ -5,23 +5,15 @@
  *
  * SPDX-License-Identifier: MIT
  */
-import { execFileSync } from 'node:child_process';
 import { readdirSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { WEBGPU, needPrograms, runPage } from '../browser.mjs';
+import { WEBGPU, needPrograms, needWebGPU, runPage } from '../browser.mjs';
 import { exitCode, report } from '../harness.mjs';
 
 const [browser, packageFolder, vectors, golden, texts, long] = process.argv.slice(2);
 needPrograms(browser);
-if (browser === 'firefox') {
-    const version = execFileSync('firefox-esr', ['--version'], { encoding: 'utf8' });
-    const number = Number(/(\d+)\./.exec(version)?.[1]);
-    if (number < 141) { // its releases refuse WebGPU, whatever the preferences say
-        console.log(`skipped: ${version.trim()} has no WebGPU, which releases of Firefox have from 141 on`);
-        process.exit(77);
-    }
-}
+needWebGPU(browser);
 const here = dirname(fileURLToPath(import.meta.url));
 const job = {
     golden: readdirSync(golden).filter((name) => name.endsWith('.btf.exr')).sort(),
