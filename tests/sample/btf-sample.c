@@ -7,6 +7,7 @@
 #include "decoder/toolkit/jpeg_image.h"
 #include "decoder/toolkit/png_image.h"
 #include "decoder/toolkit/progress.h"
+#include "camera.h"
 #include "directions.h"
 #include "pairs.h"
 #include "sample.h"
@@ -30,7 +31,7 @@ static struct {
     int relief, format, quality, seed, supersample, grid, threads;
     int between, pair_seed, frames;
     pairs_orbit orbit;
-    double orbit_theta, fixed[2];
+    double orbit_theta, fixed[2], exposure, noise;
     int size[2];
     bool has_format, quiet;
 } options = {.directions = "ubo",
@@ -39,6 +40,7 @@ static struct {
              .grid = 1024,
              .orbit_theta = 45,
              .fixed = {30, 45},
+             .exposure = 1,
              .size = {64, 64}};
 
 static const char *parse_relief(const char *text, void *value) {
@@ -174,6 +176,19 @@ static const cli_option table[] = {
      .minimum = 0,
      .maximum = INT_MAX,
      .help = "another seed, another material of the kind (default 0)"},
+    {.name = "exposure",
+     .type = CLI_DOUBLE,
+     .value = &options.exposure,
+     .minimum = 0,
+     .maximum = 1e6,
+     .help = "all values are multiplied by this: a dark material, or highlights\nfar above 1 (default 1)"},
+    {.name = "noise",
+     .type = CLI_DOUBLE,
+     .value = &options.noise,
+     .minimum = 0,
+     .maximum = 1e6,
+     .help = "standard deviation of normal noise that each value of a grid gets then,\nas a camera adds it; what "
+             "falls below 0 is 0 (default 0)"},
     {.name = "supersample",
      .type = CLI_INT,
      .value = &options.supersample,
@@ -278,6 +293,7 @@ typedef struct job {
     const sample_scene *scene;
     sample_truth *truth; /* or NULL */
     btf_log log;
+    sample_camera camera;
     double *thresholds; /* of the image format's depth */
     int levels;         /* 256 or 65536 */
 } job;
@@ -322,7 +338,10 @@ static btf_result write_view(const job *j, int view, float *images, void *codes)
         directions_format_angle(o->lights[light].phi, pl);
         snprintf(path, sizeof path, "%s/tv%s_pv%s/%05d tl%s pl%s tv%s pv%s.%s", options.out, tv, pv,
                  o->n_views * light + view, tl, pl, tv, pv, EXTENSIONS[options.format]);
-        result = write_image(j, path, images + 3 * (size_t)light * o->width * o->height, codes);
+        const size_t values = 3 * (size_t)o->width * o->height;
+        float *image = images + (size_t)light * values;
+        sample_camera_expose(&j->camera, o->n_views * light + view, values, image);
+        result = write_image(j, path, image, codes);
         if (result == BTF_OK && progress_cancelled()) {
             result = BTF_ERROR_INTERRUPTED;
         }
@@ -390,6 +409,9 @@ static btf_result write_pairs(const job *j, const enc_context *context, const sa
                           ? BTF_ERROR_INTERRUPTED
                           : sample_scene_pair(j->scene, &pairs[i].view, &pairs[i].light, image);
             }
+            if (one == BTF_OK) {
+                sample_camera_expose(&j->camera, i, values, image);
+            }
             pairs_name(&pairs[i], options.orbit ? i : -1, name);
             snprintf(path, sizeof path, "%s/%s.%s", options.out, name, EXTENSIONS[options.format]);
             if (one == BTF_OK) {
@@ -422,6 +444,9 @@ static btf_result check_between(const enc_context *context) {
                         options.truth   ? "truth"
                         : options.views ? "views"
                                         : "lights");
+    }
+    if (is_between() && options.noise > 0) {
+        return enc_fail(context, BTF_ERROR_USAGE, "--noise is for a grid: single pairs are the truth, without noise");
     }
     if (options.fixed[0] > 85) {
         return enc_fail(context, BTF_ERROR_USAGE, "--fixed: theta %g is not in 0..85", options.fixed[0]);
@@ -491,7 +516,9 @@ static btf_result run(const enc_context *context) {
     if (is_between() && !options.has_format) {
         options.format = FORMAT_EXR;
     }
-    job j = {.log = context->log, .levels = options.format == FORMAT_PNG16 ? 65536 : 256};
+    job j = {.log = context->log,
+             .camera = {options.exposure, options.noise, (uint32_t)options.seed},
+             .levels = options.format == FORMAT_PNG16 ? 65536 : 256};
     sample_scene *scene = NULL;
     enc_direction *views = NULL, *lights = NULL;
     sample_options o = {.context = context,

@@ -340,6 +340,12 @@ CHANGES = [
         ("decoder/wgsl/writer.c", "if (inner >= BITS || outer >= BITS) {", "if (inner > SHIFT) {")]),
     ("conditions of any depth in WGSL", "wgsl_translate", [
         ("decoder/wgsl/preprocess.c", "if (++c->depth > DEEPEST) {", "if (++c->depth == 0) {")]),
+    ("the same noise in every image of a sample", "sample", [
+        ("tests/sample/camera.c", "noise_hash(seed, value, image, 0)", "noise_hash(seed, value, 0, 0)"),
+        ("tests/sample/camera.c", "noise_hash(seed, value, image, 1)", "noise_hash(seed, value, 0, 1)")]),
+    ("noise below black kept", "sample", [
+        ("tests/sample/camera.c", "fmax(value + camera->noise * normal(camera->seed, number, (int)i), 0)",
+         "value + camera->noise * normal(camera->seed, number, (int)i)")]),
     ("a name that the translator makes taken from the text in WGSL", "wgsl_translate", [
         ("decoder/wgsl/parser.c", "if (is_reserved && name->kind == BTFI_TOKEN_NAME) {", "if (is_reserved > 1) {")]),
 ]
@@ -357,7 +363,7 @@ def program(tree, test):
     tests = f'{tree}/tests'
     if test in ('stability_faults', 'stability_archives'):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
-    if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief', 'relief_end', 'sampled_environment', 'wgsl_translate') or test.startswith('reference_'):
+    if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief', 'relief_end', 'sample', 'sampled_environment', 'wgsl_translate') or test.startswith('reference_'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
     if test in ('evaluator', 'fold', 'fold_gl', 'sampling', 'wgsl'):
         return [f'tests/conformance/test_{test}'], [f'{tree}/build/tests/conformance/test_{test}']
