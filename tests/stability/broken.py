@@ -340,6 +340,8 @@ CHANGES = [
         ("decoder/wgsl/writer.c", "if (inner >= BITS || outer >= BITS) {", "if (inner > SHIFT) {")]),
     ("conditions of any depth in WGSL", "wgsl_translate", [
         ("decoder/wgsl/preprocess.c", "if (++c->depth > DEEPEST) {", "if (++c->depth == 0) {")]),
+    ("free codes of units left empty", "factor", [
+        ("encoder/factor/components.c", "#define LEAST_ENERGY 1e-20", "#define LEAST_ENERGY 1e-11")]),
     ("the same noise in every image of a sample", "sample", [
         ("tests/sample/camera.c", "noise_hash(seed, value, image, 0)", "noise_hash(seed, value, 0, 0)"),
         ("tests/sample/camera.c", "noise_hash(seed, value, image, 1)", "noise_hash(seed, value, 0, 1)")]),
@@ -363,7 +365,7 @@ def program(tree, test):
     tests = f'{tree}/tests'
     if test in ('stability_faults', 'stability_archives'):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
-    if test in ('exr', 'file', 'memory', 'names', 'output', 'points', 'relief', 'relief_end', 'sample', 'sampled_environment', 'wgsl_translate') or test.startswith('reference_'):
+    if test in ('exr', 'factor', 'file', 'memory', 'names', 'output', 'points', 'relief', 'relief_end', 'sample', 'sampled_environment', 'wgsl_translate') or test.startswith('reference_'):
         return [f'tests/unit/test_{test}'], [f'{tree}/build/tests/unit/test_{test}']
     if test in ('evaluator', 'fold', 'fold_gl', 'sampling', 'wgsl'):
         return [f'tests/conformance/test_{test}'], [f'{tree}/build/tests/conformance/test_{test}']
