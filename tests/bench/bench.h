@@ -59,6 +59,7 @@ btf_result bench_section_storage(const bench_run *run);
 btf_result bench_section_growth(const bench_run *run); /* of the built-in bricks, whatever the data; up to --size */
 btf_result bench_section_fit(const bench_run *run);
 btf_result bench_section_codecs(const bench_run *run);
+btf_result bench_section_lowbit(const bench_run *run);
 btf_result bench_section_between(const bench_run *run);
 btf_result bench_section_holdout(const bench_run *run);
 btf_result bench_section_plan(const bench_run *run);

@@ -34,6 +34,8 @@ static const struct {
      false},
     {"codecs", "accuracy at equal bytes, and bytes at equal accuracy, beside principal components",
      bench_section_codecs, false},
+    {"lowbit", "the low-bit split PCA alone, the best of these peers: for tests/bench/peers.sh", bench_section_lowbit,
+     false},
     {"holdout", "accuracy of the presets at directions that the encoder did not see", bench_section_holdout,
      false},
     {"plan", "what decoding only what a scene calls for saves, predicted and measured", bench_section_plan,
@@ -136,7 +138,7 @@ static const char *parse_only(const char *text, void *value) {
             i++;
         }
         if (i == SECTIONS) {
-            return "names of machine, encode, decode, storage, between, growth, fit, codecs, holdout, "
+            return "names of machine, encode, decode, storage, between, growth, fit, codecs, lowbit, holdout, "
                    "plan, costs, stochastic, shaders, with commas between";
         }
         o.set.sections[i] = true;
@@ -217,7 +219,7 @@ static const cli_option table[] = {
      .type = CLI_CUSTOM,
      .given = &o.only,
      .parse = parse_only,
-     .help = "run some sections: machine, encode, decode, storage, between,\ngrowth, fit, codecs, holdout, "
+     .help = "run some sections: machine, encode, decode, storage, between,\ngrowth, fit, codecs, lowbit, holdout, "
              "plan, costs, stochastic, shaders; default all"},
     {.name = "preset",
      .arg = "PRESETS",
