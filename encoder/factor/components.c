@@ -12,8 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Energy, as a share of the first component's, below which products in float find only their own rounding. */
-#define LEAST_ENERGY 1e-11
+/* Energy, as a share of the first component's, below which even sums in double find nothing. Components below
+ * ENC_COMPONENTS_ROUNDING are no waste where data have so few that codes of units are free: the descent makes up by them for
+ * the rounding of the strong ones. btf-sample flat, 32x32 texels, in 243 kB: 82.5 / 83.1 dB with them, 71.8 / 72.1 without. */
+#define LEAST_ENERGY 1e-20
 
 enum { MOST_ROUNDS = 6 };
 /* The deviation from which on one round of Cholesky QR does not make rows orthonormal in float. */

@@ -12,9 +12,12 @@
 typedef struct enc_components {
     size_t rank;
     float *u, *w; /* [rank][texel], [rank][column]: u_j and w_j have equal lengths, the root of the singular value */
-    double *energy; /* [rank]: squared singular values, falling; those that are 0 beside the first are left out */
+    double *energy; /* [rank]: squared singular values, falling; none is 0 */
     size_t sought;  /* components that were asked for, at most the smaller side of the matrix */
 } enc_components;
+
+/* Share of the first component's energy below which a component is rounding of products in float. */
+#define ENC_COMPONENTS_ROUNDING 1e-11
 
 /* Finds rank[channel] components of each channel by a randomised range finder with `power_steps` steps of
  * subspace iteration (Halko, Martinsson and Tropp 2011, algorithms 4.4 and 5.1); channels of rank 0 are

@@ -59,7 +59,7 @@ typedef struct bench_section {
 } bench_section;
 
 /* All sections, in the order in which they run. */
-enum { BENCH_SECTIONS = 13 };
+enum { BENCH_SECTIONS = 14 };
 extern const bench_section bench_sections[BENCH_SECTIONS];
 
 btf_result bench_section_machine(const bench_run *run); /* whatever the data */
@@ -69,6 +69,7 @@ btf_result bench_section_storage(const bench_run *run);
 btf_result bench_section_growth(const bench_run *run); /* of the built-in bricks, whatever the data; up to --size */
 btf_result bench_section_fit(const bench_run *run);
 btf_result bench_section_codecs(const bench_run *run);
+btf_result bench_section_lowbit(const bench_run *run);
 btf_result bench_section_between(const bench_run *run);
 btf_result bench_section_holdout(const bench_run *run);
 btf_result bench_section_plan(const bench_run *run);

@@ -76,7 +76,7 @@ static const char *parse_only(const char *text, void *value) {
             i++;
         }
         if (i == BENCH_SECTIONS) {
-            return "names of machine, encode, decode, storage, between, growth, fit, codecs, holdout, "
+            return "names of machine, encode, decode, storage, between, growth, fit, codecs, lowbit, holdout, "
                    "plan, costs, stochastic, shaders, with commas between";
         }
         bench_given.sections[i] = true;
@@ -158,7 +158,7 @@ static const cli_option table[] = {
      .type = CLI_CUSTOM,
      .given = &bench_given.only,
      .parse = parse_only,
-     .help = "run some sections: machine, encode, decode, storage, between,\ngrowth, fit, codecs, holdout, "
+     .help = "run some sections: machine, encode, decode, storage, between,\ngrowth, fit, codecs, lowbit, holdout, "
              "plan, costs, stochastic, shaders; default all"},
     {.name = "preset",
      .arg = "PRESETS",

@@ -23,6 +23,8 @@ const bench_section bench_sections[BENCH_SECTIONS] = {
      false},
     {"codecs", "accuracy at equal bytes, and bytes at equal accuracy, beside principal components",
      bench_section_codecs, false},
+    {"lowbit", "the low-bit split PCA alone, the best of these peers: for tests/bench/peers.sh",
+     bench_section_lowbit, false},
     {"holdout", "accuracy of the presets at directions that the encoder did not see", bench_section_holdout,
      false},
     {"plan", "what decoding only what a scene calls for saves, predicted and measured", bench_section_plan,

@@ -148,6 +148,20 @@ for kind in ("between", "estimate"):
     assert abs(float(near[f"psnr_{kind}_linear"]) - float(data[f"psnr_{kind}_linear"])) < 0.1, (kind, near, data)
 P
 expect_that "are the figures of btf-compare" python3 between.py
+# The best peer alone, for peers.sh.
+expect "low-bit" 0 btf-bench --input tiny --only lowbit --out l -q
+expect_that "is that of section between" python3 - <<'P'
+import csv
+alone, = csv.DictReader(open("l/lowbit-tiny.csv"))
+among = {row["setting"]: row for row in csv.DictReader(open("e/between-tiny.csv"))}["low-bit split PCA"]
+assert int(alone["bytes"]) == int(float(among["gpu_bytes"])) <= int(alone["budget"]), (alone, among)
+for kind in ("linear", "srgb"):
+    assert abs(float(alone[kind + "_db"]) - float(among["psnr_" + kind])) < 2e-3, (kind, alone, among)
+P
+expect "peers: the list" 0 "$BTF_SOURCE_ROOT/tests/bench/peers.sh" --list
+expect_text "has its materials" "^UBO_IMPALLA64 += UBO_IMPALLA64.zip$" out
+expect "peers: nothing said" 1 "$BTF_SOURCE_ROOT/tests/bench/peers.sh"
+expect "peers: another table" 1 "$BTF_SOURCE_ROOT/tests/bench/peers.sh" "$build" others
 expect_text "without truth it says so" "none is known, so accuracy there is estimated" f/summary.md
 expect "images of another size" 0 btf-sample -o larger --size 9x8 --between 2 --quiet
 expect "truth of another size" 3 btf-bench --input tiny --pairs larger --only machine --out x -q

@@ -21,7 +21,7 @@ static struct {
     int relief, format, quality, seed, supersample, grid, threads;
     int between, pair_seed, frames;
     pairs_orbit orbit;
-    double orbit_theta, fixed[2];
+    double orbit_theta, fixed[2], exposure, noise;
     int size[2];
     bool has_format, quiet;
 } options = {.directions = "ubo",
@@ -30,6 +30,7 @@ static struct {
              .grid = 1024,
              .orbit_theta = 45,
              .fixed = {30, 45},
+             .exposure = 1,
              .size = {64, 64}};
 
 static const char *parse_relief(const char *text, void *value) {
@@ -165,6 +166,19 @@ static const cli_option table[] = {
      .minimum = 0,
      .maximum = INT_MAX,
      .help = "another seed, another material of the kind (default 0)"},
+    {.name = "exposure",
+     .type = CLI_DOUBLE,
+     .value = &options.exposure,
+     .minimum = 0,
+     .maximum = 1e6,
+     .help = "all values are multiplied by this: a dark material, or highlights\nfar above 1 (default 1)"},
+    {.name = "noise",
+     .type = CLI_DOUBLE,
+     .value = &options.noise,
+     .minimum = 0,
+     .maximum = 1e6,
+     .help = "standard deviation of normal noise that each value of a grid gets then,\nas a camera adds it; what "
+             "falls below 0 is 0 (default 0)"},
     {.name = "supersample",
      .type = CLI_INT,
      .value = &options.supersample,
@@ -229,6 +243,9 @@ static btf_result check_between(const enc_context *context) {
                         options.truth   ? "truth"
                         : options.views ? "views"
                                         : "lights");
+    }
+    if (is_between() && options.noise > 0) {
+        return enc_fail(context, BTF_ERROR_USAGE, "--noise is for a grid: single pairs are the truth, without noise");
     }
     if (options.fixed[0] > 85) {
         return enc_fail(context, BTF_ERROR_USAGE, "--fixed: theta %g is not in 0..85", options.fixed[0]);
@@ -301,7 +318,8 @@ static btf_result run(const enc_context *context) {
     images_job j = {.context = context,
                     .folder = options.out,
                     .format = (images_format)options.format,
-                    .quality = options.quality};
+                    .quality = options.quality,
+                    .camera = {options.exposure, options.noise, (uint32_t)options.seed}};
     sample_scene *scene = NULL;
     enc_direction *views = NULL, *lights = NULL;
     sample_options o = {.context = context,

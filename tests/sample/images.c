@@ -130,7 +130,10 @@ static btf_result write_view(const writer *w, int view, float *images, void *cod
         directions_format_angle(o->lights[light].phi, pl);
         snprintf(path, sizeof path, "%s/tv%s_pv%s/%05d tl%s pl%s tv%s pv%s.%s", w->to->folder, tv, pv,
                  o->n_views * light + view, tl, pl, tv, pv, images_extension(w->to->format));
-        result = write_image(w, path, images + 3 * (size_t)light * o->width * o->height, codes);
+        const size_t values = 3 * (size_t)o->width * o->height;
+        float *image = images + (size_t)light * values;
+        sample_camera_expose(&w->to->camera, o->n_views * light + view, values, image);
+        result = write_image(w, path, image, codes);
         if (result == BTF_OK && progress_cancelled()) {
             result = BTF_ERROR_INTERRUPTED;
         }
@@ -206,6 +209,9 @@ btf_result images_write_pairs(const images_job *to, const sample_pair *pairs, in
                       : enc_cancelled(context)
                           ? BTF_ERROR_INTERRUPTED
                           : sample_scene_pair(to->scene, &pairs[i].view, &pairs[i].light, image);
+            }
+            if (one == BTF_OK) {
+                sample_camera_expose(&to->camera, i, values, image);
             }
             pairs_name(&pairs[i], numbered ? i : -1, name);
             snprintf(path, sizeof path, "%s/%s.%s", to->folder, name, images_extension(to->format));

@@ -5,6 +5,7 @@
 #ifndef OPENBTF_SAMPLE_IMAGES_H
 #define OPENBTF_SAMPLE_IMAGES_H
 
+#include "camera.h"
 #include "pairs.h"
 #include "sample.h"
 
@@ -17,6 +18,7 @@ typedef struct images_job {
     const char *folder; /* where the images go; a path of at most PATH_MAX - 128 bytes */
     images_format format;
     int quality;         /* of JPEG */
+    sample_camera camera;
     sample_truth *truth; /* filled by images_write_grid(); or NULL */
 } images_job;
 

@@ -341,6 +341,14 @@ CHANGES = [
         ("decoder/wgsl/writer.c", "if (inner >= BITS || outer >= BITS) {", "if (inner > SHIFT) {")]),
     ("conditions of any depth in WGSL", "wgsl_translate", [
         ("decoder/wgsl/preprocess.c", "if (++c->depth > DEEPEST) {", "if (++c->depth == 0) {")]),
+    ("free codes of units left empty", "factor", [
+        ("encoder/factor/components.c", "#define LEAST_ENERGY 1e-20", "#define LEAST_ENERGY 1e-11")]),
+    ("the same noise in every image of a sample", "sample", [
+        ("tests/sample/camera.c", "noise_hash(seed, value, image, 0)", "noise_hash(seed, value, 0, 0)"),
+        ("tests/sample/camera.c", "noise_hash(seed, value, image, 1)", "noise_hash(seed, value, 0, 1)")]),
+    ("noise below black kept", "sample", [
+        ("tests/sample/camera.c", "fmax(value + camera->noise * normal(camera->seed, number, (int)i), 0)",
+         "value + camera->noise * normal(camera->seed, number, (int)i)")]),
     ("a name that the translator makes taken from the text in WGSL", "wgsl_translate", [
         ("decoder/wgsl/parser.c", "if (is_reserved && name->kind == BTFI_TOKEN_NAME) {", "if (is_reserved > 1) {")]),
     ("btf-shader: a folder replaced without --force", "tools_shader", [

@@ -129,6 +129,14 @@ expect_that "are the same images" cmp orbit/frame00005_tl60.0000_pl150.0000_tv20
 expect "an orbit of the view" 0 btf-sample -o turn --orbit view:4 "${relief[@]}"
 expect_that "at theta 45 under a fixed light" test -e turn/frame00001_tl30.0000_pl045.0000_tv45.0000_pv090.0000.exr
 
+# Noise of 0.003 is 50.5 dB; a little less is left where the values of the sample lie at 0.
+expect "noise of a camera" 0 btf-sample -o noisy --directions $rings --format exr "${relief[@]}" --relief flat --noise 0.003
+expect "against the sample without" 0 btf-compare flat noisy --no-ssim --json -q
+expect_that "is of that size" python3 -c 'import json; d = json.load(open("out"))["psnr"]["linear"]; assert 50.3 < d < 51.5, d'
+expect "a longer exposure" 0 btf-sample -o bright --directions $rings --format exr "${relief[@]}" --relief flat --exposure 1.25
+expect "against the sample" 0 btf-compare flat bright --no-ssim --json -q
+expect_that "is brighter" python3 -c 'import json; d = json.load(open("out"))["psnr"]["linear"]; assert 15 < d < 35, d'
+expect "truth has no noise" 1 btf-sample -o x --between 3 --noise 0.1
 expect "two ways at once" 1 btf-sample -o x --between 3 --orbit view:4
 expect "an orbit of nothing" 1 btf-sample -o x --orbit camera:4
 expect "an orbit of no frames" 1 btf-sample -o x --orbit view:0

@@ -1,5 +1,5 @@
 /* Section `codecs`: our methods and their peers at the same bytes, and the bytes that PCA needs for our
- * quality.
+ * quality. Section `lowbit`: the best peer alone.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -282,31 +282,59 @@ static btf_result run_pca(const bench_run *run, pca_coding coding, uint64_t budg
     return result;
 }
 
-/* The axes of opponent colour apart, in 8 bits alone and in as few as pay. */
-static btf_result run_split(const bench_run *run, uint64_t budget, codec_table *table) {
-    static const char *const names[] = {"low-bit split PCA, square root", "split PCA 8 bit, square root"};
+/* The axes of opponent colour apart, in 8 bits alone or in as few as pay. */
+static btf_result run_split(const bench_run *run, uint64_t budget, bool eight_only, codec_row *row) {
     enum { SWEEPS = 6 };
+    const lowbit_options options = {(size_t)budget, eight_only, SWEEPS};
+    const bench_clock start = bench_now();
+    lowbit_codec codec;
+    btf_result result = lowbit_encode(run->context, run->data, &options, &codec);
+    const bench_clock end = bench_now();
+    if (result != BTF_OK) {
+        return result;
+    }
+    *row = (codec_row){.kind = CODEC_PEER,
+                       .rank = lowbit_rank(&codec, PCA_RGB),
+                       .bytes = codec.bytes,
+                       .wall = end.wall - start.wall,
+                       .core = end.core - start.core};
+    snprintf(row->name, sizeof row->name, "%s, square root", eight_only ? "split PCA 8 bit" : "low-bit split PCA");
+    result = measure(run, lowbit_images(&codec), true, row);
+    lowbit_codec_clear(&codec);
+    return result;
+}
+
+/* Both, into the table. */
+static btf_result run_splits(const bench_run *run, uint64_t budget, codec_table *table) {
     btf_result result = BTF_OK;
     for (int eight_only = 0; eight_only < 2 && result == BTF_OK; eight_only++) {
-        const lowbit_options options = {(size_t)budget, eight_only != 0, SWEEPS};
-        const bench_clock start = bench_now();
-        lowbit_codec codec;
-        result = lowbit_encode(run->context, run->data, &options, &codec);
-        const bench_clock end = bench_now();
-        if (result != BTF_OK) {
-            return result;
-        }
-        codec_row row = {.kind = CODEC_PEER,
-                         .rank = lowbit_rank(&codec, PCA_RGB),
-                         .bytes = codec.bytes,
-                         .wall = end.wall - start.wall,
-                         .core = end.core - start.core};
-        snprintf(row.name, sizeof row.name, "%s", names[eight_only]);
-        result = measure(run, lowbit_images(&codec), true, &row);
-        lowbit_codec_clear(&codec);
+        codec_row row;
+        result = run_split(run, budget, eight_only != 0, &row);
         if (result == BTF_OK) {
             result = codec_table_add(run->context, table, &row);
         }
+    }
+    return result;
+}
+
+btf_result bench_section_lowbit(const bench_run *run) {
+    const uint64_t budget = bench_budget(run->budget, run->data);
+    FILE *csv = NULL;
+    codec_row row;
+    btf_result result = run_split(run, budget, false, &row);
+    if (result == BTF_OK) {
+        result = bench_open(run, "lowbit", "csv", &csv);
+    }
+    if (result == BTF_OK) {
+        fprintf(run->summary,
+                "| allowed, MB | MB | components | linear dB | sRGB dB | core s |\n"
+                "| --- | --- | --- | --- | --- | --- |\n"
+                "| %.3f | %.3f | %zu | %.2f | %.2f | %.1f |\n\n",
+                (double)budget / 1e6, (double)row.bytes / 1e6, row.rank, row.linear, row.srgb, row.core);
+        fprintf(csv, "budget,bytes,components,linear_db,srgb_db,core_s\n%llu,%zu,%zu,%.4f,%.4f,%.2f\n",
+                (unsigned long long)budget, row.bytes, row.rank, row.linear, row.srgb, row.core);
+        result = fclose(csv) == 0 ? BTF_OK
+                                  : enc_fail(run->context, BTF_ERROR_IO, "lowbit-%s.csv: cannot write", run->name);
     }
     return result;
 }
@@ -325,7 +353,7 @@ btf_result bench_section_codecs(const bench_run *run) {
     }
     enc_stage_begin(run->context, "peers", 4);
     if (result == BTF_OK) {
-        result = run_split(run, budget, &table);
+        result = run_splits(run, budget, &table);
         enc_stage_step(run->context, 1);
     }
     for (int coding = PCA_LINEAR; coding <= PCA_SQRT && result == BTF_OK; coding++) {

@@ -321,13 +321,28 @@ TEST(test_every_class_round_trips) {
     enc_data_destroy(&data);
 }
 
+static void assert_same(const enc_factors *a, const enc_factors *b) {
+    const size_t texels = (size_t)(a->width * a->height), columns = (size_t)(a->n_views * a->n_lights);
+    assert_memory_equal(a->classes, b->classes, sizeof a->classes);
+    assert_memory_equal(a->texels, b->texels, (size_t)a->n_u_texels * texels * 16);
+    assert_memory_equal(a->directions, b->directions, (size_t)a->n_units * columns * 16);
+    assert_memory_equal(a->scales, b->scales, (size_t)a->n_units * 16);
+    assert_memory_equal(a->views, b->views, (size_t)a->n_views * 36);
+    assert_true(a->error.linear == b->error.linear && a->error.srgb == b->error.srgb);
+}
+
 /* Data of few components come back almost as they were. */
 TEST_OF_NUMBERS(test_recovers) {
+    static const enc_context five = {.threads = 5};
     enc_data *data = textured(16, 9, 6, 0.2f, 0);
     enc_factors *f = encode(&two, data, units(data, 2.1), ENC_FACTOR_SWEEPS);
-    assert_true(f->classes[0][0] == 2 && f->components[0] == 6);
-    assert_true(f->error.linear < 1e-5 && f->error.srgb < 1e-5); /* 50 dB */
+    assert_true(f->classes[0][0] == 2);
+    /* codes that the six leave free make up for their rounding, which alone leaves 52 / 54 dB; the same for any threads */
+    assert_true(f->components[0] == 16 && f->error.linear < 1e-6 && f->error.srgb < 1e-6);
+    enc_factors *of_five = encode(&five, data, units(data, 2.1), ENC_FACTOR_SWEEPS);
+    assert_same(f, of_five);
     enc_factors_destroy(&f);
+    enc_factors_destroy(&of_five);
     enc_data_destroy(&data);
 }
 
@@ -362,16 +377,6 @@ TEST_OF_NUMBERS(test_prefix_is_monotone) {
     }
     enc_factors_destroy(&f);
     enc_data_destroy(&data);
-}
-
-static void assert_same(const enc_factors *a, const enc_factors *b) {
-    const size_t texels = (size_t)(a->width * a->height), columns = (size_t)(a->n_views * a->n_lights);
-    assert_memory_equal(a->classes, b->classes, sizeof a->classes);
-    assert_memory_equal(a->texels, b->texels, (size_t)a->n_u_texels * texels * 16);
-    assert_memory_equal(a->directions, b->directions, (size_t)a->n_units * columns * 16);
-    assert_memory_equal(a->scales, b->scales, (size_t)a->n_units * 16);
-    assert_memory_equal(a->views, b->views, (size_t)a->n_views * 36);
-    assert_true(a->error.linear == b->error.linear && a->error.srgb == b->error.srgb);
 }
 
 /* The same bits from 1, 2 and 5 threads, and of samples that lie in a scratch file. */
@@ -503,20 +508,18 @@ TEST_OF_NUMBERS(test_highlights) {
 }
 
 /* Highlights up to a hundred times as bright as the rest, in few texels at few lights, are fitted as they are, by their
- * roots: they come back, and so the rest, less well than beside highlights of 1. The measure clips both at 1. */
+ * roots: they come back, and so does the rest. The measure clips both at 1. */
 TEST_OF_NUMBERS(test_highlights_among_others) {
-    enc_data *data = textured(16, 9, 12, 0.2f, 0), *clipped = textured(16, 9, 12, 0.2f, 0);
+    enc_data *data = textured(16, 9, 12, 0.2f, 0);
     for (size_t t = 0; t < 256; t++) {
         for (size_t i = 0; i < 81 * 3; i++) { /* [view][channel][light] */
             const size_t view = i / 27, light = i % 9, at = t * 243 + i;
             const float lobe = t % 16 == 3 && view == light && view < 3 ? 1.0f + 0.5f * (float)(t / 16) : 0;
             const float root = sqrtf(data->samples[at]) + lobe;
             data->samples[at] = root * root;
-            clipped->samples[at] = fminf(data->samples[at], 1);
         }
     }
     enc_factors *f = encode(&two, data, units(data, 3), ENC_FACTOR_SWEEPS);
-    enc_factors *of_clipped = encode(&two, clipped, units(data, 3), ENC_FACTOR_SWEEPS);
     double worst = 0, brightest = 0;
     for (size_t t = 3; t < 256; t += 16) {
         for (size_t i = 0; i < 3; i++) {
@@ -527,15 +530,12 @@ TEST_OF_NUMBERS(test_highlights_among_others) {
             brightest = fmax(brightest, was);
         }
     }
-    print_message("brightest %.1f, off by %.1f %% at most; clipped to 1: %.2f dB, fitted to clipped data %.2f dB\n",
-                  brightest, 100 * worst, -10 * log10(f->error.linear), -10 * log10(of_clipped->error.linear));
-    assert_true(brightest > 50 && worst < 0.05 && f->error.linear < 1e-4);
-    assert_true(of_clipped->error.linear < f->error.linear);
+    print_message("brightest %.1f, off by %.1f %% at most; clipped to 1: %.2f dB\n", brightest, 100 * worst,
+                  -10 * log10(f->error.linear));
+    assert_true(brightest > 50 && worst < 0.01 && f->error.linear < 1e-5);
     assert_true(fabs(error_of(data, f, f->n_units) / f->error.linear - 1) < 1e-3);
     enc_factors_destroy(&f);
-    enc_factors_destroy(&of_clipped);
     enc_data_destroy(&data);
-    enc_data_destroy(&clipped);
 }
 
 /* A view that is black has a factor of zero, or codes that come to nothing; the others do not suffer. */

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "tests/sample/camera.h"
 #include "tests/sample/directions.h"
 #include "tests/sample/noise.h"
 #include "tests/sample/pairs.h"
@@ -640,6 +641,47 @@ TEST(test_lists) {
         assert_int_equal(read_list(wrong[i], &pairs, &count), BTF_ERROR_BAD_FILE);
     }
     assert_int_equal(pairs_read(NULL, "/nowhere/list", &pairs, &count), BTF_ERROR_IO);
+}
+
+/* Mean, deviation and independence of the camera's noise, over 3 * 4096 values of each of two images. */
+TEST(test_camera) {
+    enum { COUNT = 3 * 4096 };
+    static float images[2][COUNT], again[COUNT];
+    const sample_camera camera = {.exposure = 2, .noise = 0.1, .seed = 7};
+    double sum = 0, squares = 0, across = 0, along = 0;
+    for (int k = 0; k < 2; ++k) {
+        for (int i = 0; i < COUNT; ++i) {
+            images[k][i] = 0.5f;
+        }
+        sample_camera_expose(&camera, 5 + k, COUNT, images[k]);
+    }
+    for (int i = 0; i < COUNT; ++i) {
+        const double a = images[0][i] - 1, b = images[1][i] - 1;
+        sum += a;
+        squares += a * a;
+        across += a * b;
+        along += i > 0 ? a * (images[0][i - 1] - 1) : 0;
+        again[i] = 0.5f;
+    }
+    const double error = 0.1 / sqrt(COUNT); /* of a mean; 4.5 of them is one in 10^5 */
+    assert_true(fabs(sum / COUNT) < 4.5 * error);
+    assert_true(fabs(sqrt(squares / COUNT) - 0.1) < 4.5 * error);
+    assert_true(fabs(across / COUNT) < 4.5 * 0.1 * error && fabs(along / COUNT) < 4.5 * 0.1 * error);
+    sample_camera_expose(&camera, 5, COUNT, again);
+    assert_memory_equal(again, images[0], sizeof again);
+
+    float values[] = {0.25f, 0, 3};
+    const sample_camera none = {.exposure = 4};
+    sample_camera_expose(&none, 0, 3, values);
+    assert_true(values[0] == 1 && values[1] == 0 && values[2] == 12);
+    int black = 0;
+    memset(again, 0, sizeof again);
+    sample_camera_expose(&camera, 0, COUNT, again);
+    for (int i = 0; i < COUNT; ++i) {
+        assert_true(again[i] >= 0);
+        black += again[i] == 0;
+    }
+    assert_in_range(black, COUNT * 45 / 100, COUNT * 55 / 100);
 }
 
 RUN_TESTS(NULL, NULL)
