@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-enum { ROW_HEAD = 5, MAX_ROWS = 4096 };
+enum { ROW_HEAD = 5 };
 
 static bool is_integer(float value, uint32_t low, uint32_t high) {
     return value >= (float)low && value <= (float)high && value == floorf(value);
@@ -119,13 +119,13 @@ static btf_result check_table(const btfi_check *check, const table_kind *kind,
 
 btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_info *info,
                                     const float *values, size_t count) {
-    static const table_kind kind = {"effect errors", MAX_ROWS, check_effect_row};
+    static const table_kind kind = {"effect errors", BTFI_MOST_EFFECT_ROWS, check_effect_row};
     return check_table(check, &kind, info, values, count);
 }
 
 btf_result btfi_check_effect_differences(const btfi_check *check, const btf_material_info *info,
                                          const float *values, size_t count) {
-    static const table_kind kind = {"effect differences", MAX_ROWS, check_effect_row};
+    static const table_kind kind = {"effect differences", BTFI_MOST_EFFECT_ROWS, check_effect_row};
     return check_table(check, &kind, info, values, count);
 }
 

@@ -109,9 +109,9 @@ CHANGES = [
     ("a sum of lights begun in the wrong texture", "fold_gl", [
         ("decoder/fold/gl_fold.c", "to = (count - 1 - i) % 2", "to = i % 2")]),
     ("gloss left out at any price", "fold", [
-        ("decoder/plan.c", "base[i] * (1 + gloss[i]) + c->growth", "base[i] + c->growth")]),
+        ("decoder/plan/plan.c", "base[i] * (1 + gloss[i]) + c->growth", "base[i] + c->growth")]),
     ("gloss never left out", "fold", [
-        ("decoder/plan.c", "tolerance > 0 && plan->level == 0 &&", "tolerance > 1000 && plan->level == 0 &&")]),
+        ("decoder/plan/plan.c", "tolerance > 0 && plan->level == 0 &&", "tolerance > 1000 && plan->level == 0 &&")]),
     ("a light folded where gloss is decoded", "fold", [
         ("decoder/fold/fold.c", "all.fold == BTF_FOLD_LIGHT && effects & BTF_EFFECT_GLOSS", "all.fold == BTF_FOLD_LIGHT && effects == 0")]),
     ("a light folded where there is an SBRDF", "fold", [
@@ -129,9 +129,9 @@ CHANGES = [
     ("the masks of all draw buffers set by a fold", "fold_gl", [
         ("decoder/fold/gl_draw.c", "if (gl->ColorMaski) {", "if (gl->ColorMaski && gl->is_es) {")]),
     ("a plan that adds what shows against interpolated data alone", "plan", [
-        ("decoder/plan.c", "const double between = known ? difference[i] :", "const double between = known ? growth[i] :")]),
+        ("decoder/plan/growth.c", "const double between = known ? difference[i] :", "const double between = known ? growth[i] :")]),
     ("a file without differences taken at its word", "plan", [
-        ("decoder/plan.c", "fmax(growth[i], (growth[i] + at_samples[i]) / 2)", "growth[i]")]),
+        ("decoder/plan/growth.c", "fmax(growth[i], (growth[i] + at_samples[i]) / 2)", "growth[i]")]),
     ("differences measured against what is decoded least", "effect_errors", [
         ("encoder/report/effect_errors.c", "const size_t full = j->n_variants - KINDS;", "const size_t full = 0;")]),
     ("a sum of lights that leaves the last out", "still_lights", [
@@ -139,7 +139,7 @@ CHANGES = [
     ("a plan that counts on a fold that its scene does not make", "fold", [
         ("decoder/fold/fold.c", "if (scene->no_fold) {", "if (scene->no_fold > 1) {")]),
     ("gloss left out for a fold that does not pay in time", "fold", [
-        ("decoder/plan.c", "if (without && !(tried.folded_cost < tried.cost)) {", "if (without && tried.folded_cost < 0) {")]),
+        ("decoder/plan/plan.c", "if (without && !(tried.folded_cost < tried.cost)) {", "if (without && tried.folded_cost < 0) {")]),
     ("parameters beyond 2^24 read", "decoder_bits", [
         ("decoder/shape.h", "magnitude <= BTFI_PARAMETER_MAX", "magnitude <= 2 * BTFI_PARAMETER_MAX")]),
     ("NaN taken for a coordinate", "decoder_bits", [
@@ -266,7 +266,7 @@ CHANGES = [
         ("decoder/checks/info.c", "info->relief_end > info->levels)", "info->relief_end > 2 * info->levels)"),
         ("decoder/header.c", "(int32_t)info->levels, &info->levels", "BTF_MAX_LEVELS, &info->levels")]),
     ("relief planned at a level that has none", "relief_end", [
-        ("decoder/plan.c", "(btfi_relief_has_ended(&material->info, level) ? BTF_EFFECT_RELIEF : 0u)", "(level > BTF_MAX_LEVELS ? BTF_EFFECT_RELIEF : 0u)")]),
+        ("decoder/plan/plan.c", "(btfi_relief_has_ended(&material->info, level) ? BTF_EFFECT_RELIEF : 0u)", "(level > BTF_MAX_LEVELS ? BTF_EFFECT_RELIEF : 0u)")]),
     ("the end of relief written where it has none", "relief_end", [
         ("decoder/exr_write.c", "if (info->relief_end < info->levels)", "if (info->relief_end > 0)")]),
     ("textures of any size taken from a short file", "file", [
