@@ -53,13 +53,14 @@ void btfi_find_growth(const btfi_error_table *t, const float *row, const float *
     }
 }
 
-/* The error of a scene by a row of the table of errors between the samples; false where it says nothing. */
-static bool find_row_between(const btf_material *material, const btf_scene *scene, float left_out,
-                             double mse[2]) {
+/* The error of a scene in a level by a row of the table of errors between the samples; false where it says nothing. */
+static bool find_row_between(const btf_material *material, const btf_scene *scene, uint32_t level,
+                             uint32_t left_out, double mse[2]) {
+    enum { NEXT_LEVEL = 16 };
     const btf_between_errors b = btf_material_between_errors(material);
     double view[BTF_MAX_BANDS], light[BTF_MAX_BANDS], sum[2] = {0, 0}, weight = 0;
     uint32_t r = 0;
-    while (r < b.row_count && b.rows[(size_t)r * b.row_stride] != left_out) {
+    while (r < b.row_count && b.rows[(size_t)r * b.row_stride] != (float)(left_out + NEXT_LEVEL * level)) {
         r++;
     }
     if (r == b.row_count) {
@@ -84,20 +85,23 @@ static bool find_row_between(const btf_material *material, const btf_scene *scen
     return weight > 0;
 }
 
+/* What is left out, in the numbers of rows. */
+enum { VIEW = 1, LIGHT = 2, BOTH = 3, NO_RELIEF = 4, NO_GLOSS = 8 };
+
 bool btfi_find_between(const btf_material *material, const btf_scene *scene, const btfi_error_table *t,
-                       double mse[2]) {
-    return find_row_between(material, scene,
-                            (t->at_view < 1 ? 1.0f : 0.0f) + (t->at_light < 1 ? 2.0f : 0.0f), mse);
+                       uint32_t level, double mse[2]) {
+    return find_row_between(material, scene, level,
+                            (t->at_view < 1 ? VIEW : 0u) + (t->at_light < 1 ? LIGHT : 0u), mse);
 }
 
-bool btfi_find_gloss(const btf_material *material, const btf_scene *scene, double growth[2]) {
-    enum {
-        BOTH = 3,
-        BOTH_WITHOUT_GLOSS = 11
-    }; /* where the light is a sample, gloss only blurs it by others */
+bool btfi_find_without(const btf_material *material, const btf_scene *scene, const btfi_error_table *t,
+                       uint32_t level, btf_effect effect, double growth[2]) {
+    /* Where the light is a sample, gloss only blurs it by others: what it is worth shows where both are left out. */
+    const bool gloss = effect == BTF_EFFECT_GLOSS;
+    const uint32_t left = gloss || t->at_light < 1 ? BOTH : VIEW;
     double with[2], without[2];
-    if (!find_row_between(material, scene, BOTH, with) ||
-        !find_row_between(material, scene, BOTH_WITHOUT_GLOSS, without)) {
+    if (!find_row_between(material, scene, level, left, with) ||
+        !find_row_between(material, scene, level, left + (gloss ? NO_GLOSS : NO_RELIEF), without)) {
         return false;
     }
     for (int i = 0; i < 2; i++) {
@@ -110,7 +114,7 @@ bool btfi_errors_to_tolerate(const btf_material *material, const btf_scene *scen
                              const btfi_error_table *t, uint32_t level, const btfi_way *full,
                              double base[2]) {
     double between[2] = {0, 0};
-    const bool known = level == 0 && btfi_find_between(material, scene, t, between);
+    const bool known = btfi_find_between(material, scene, t, level, between);
     for (int i = 0; i < 2; i++) {
         base[i] = fmax(fmax(between[i] / 2, full->mse[i]), 1e-10);
     }

@@ -16,17 +16,18 @@
  * of both growths, of which that at samples is too much, or that against the data where it is more (nearest directions). */
 void btfi_find_growth(const btfi_error_table *table, const float *row, const float *full, btfi_way *way);
 
-/* The error of the full decode by the file's table of errors between the samples; false where that says nothing. View or
- * light that are samples are not left out. */
+/* The error of the full decode of a level by the file's table of errors between the samples; false where that says nothing.
+ * View or light that are samples are not left out. */
 bool btfi_find_between(const btf_material *material, const btf_scene *scene, const btfi_error_table *table,
-                       double mse[2]);
+                       uint32_t level, double mse[2]);
 
-/* Takes the share by which the error grows where gloss is not decoded; false where the table does not say. A view or light
- * that is left out stands at double the gap: there the error by which gloss moves highlights, which grows with the square of
- * the gap, is four times that between the samples, and the whole error twice (btfi_errors_to_tolerate), so that half of the
- * growth remains. BRICKS64, all directions: 1.07/0.34 dB left out, 0.62/0.09 dB in images between the samples, 0.57/0.17 by
- * this. */
-bool btfi_find_gloss(const btf_material *material, const btf_scene *scene, double growth[2]);
+/* Takes the share by which the error of a level grows where `effect`, relief or gloss, is not decoded; false where the table
+ * does not say. A view or light that is left out stands at double the gap: there the error by which either moves what is
+ * seen, which grows with the square of the gap, is four times that between the samples, and the whole error twice
+ * (btfi_errors_to_tolerate), so that half of the growth remains. BRICKS64, all directions, gloss: 1.07/0.34 dB left out,
+ * 0.62/0.09 dB in images between the samples, 0.57/0.17 by this. */
+bool btfi_find_without(const btf_material *material, const btf_scene *scene, const btfi_error_table *table,
+                       uint32_t level, btf_effect effect, double growth[2]);
 
 /* The errors that the tolerance is a share of: those of the full decode where the scene looks. Returns whether that is
  * between the samples, by a file that says what is lost there. */

@@ -109,9 +109,9 @@ CHANGES = [
     ("a sum of lights begun in the wrong texture", "fold_gl", [
         ("decoder/fold/gl_fold.c", "to = (count - 1 - i) % 2", "to = i % 2")]),
     ("gloss left out at any price", "fold", [
-        ("decoder/plan/plan.c", "base[i] * (1 + gloss[i]) + c->growth", "base[i] + c->growth")]),
+        ("decoder/plan/plan.c", "base[i] * (1 + lack[i]) + way->growth", "base[i] + way->growth")]),
     ("gloss never left out", "fold", [
-        ("decoder/plan/plan.c", "tolerance > 0 && plan->level == 0 &&", "tolerance > 1000 && plan->level == 0 &&")]),
+        ("decoder/plan/plan.c", "l->effects && !(s->between && s->tolerance > 0)", "l->effects && !(s->between && s->tolerance > 1000)")]),
     ("a light folded where gloss is decoded", "fold", [
         ("decoder/fold/fold.c", "all.fold == BTF_FOLD_LIGHT && effects & BTF_EFFECT_GLOSS", "all.fold == BTF_FOLD_LIGHT && effects == 0")]),
     ("a light folded where there is an SBRDF", "fold", [
@@ -138,8 +138,20 @@ CHANGES = [
         ("decoder/tools/render/shade_fold.c", "i < request->lights; i++", "i + 1 < request->lights; i++")]),
     ("a plan that counts on a fold that its scene does not make", "fold", [
         ("decoder/fold/fold.c", "if (scene->no_fold) {", "if (scene->no_fold > 1) {")]),
-    ("gloss left out for a fold that does not pay in time", "fold", [
-        ("decoder/plan/plan.c", "if (without && !(tried.folded_cost < tried.cost)) {", "if (without && tried.folded_cost < 0) {")]),
+    ("relief and gloss left out by one another's worth", "plan_between", [
+        ("decoder/plan/growth.c", "left + (gloss ? NO_GLOSS : NO_RELIEF)", "left + (gloss ? NO_RELIEF : NO_GLOSS)")]),
+    ("what nobody knows the worth of left out", "plan_between", [
+        ("decoder/plan/plan.c", "if (!l->known || (l->effects", "if ((l->effects")]),
+    ("a coarser level planned by what level 0 loses", "plan_between", [
+        ("decoder/plan/growth.c", "(float)(left_out + NEXT_LEVEL * level)", "(float)left_out")]),
+    ("errors without gloss foretold as with it", "plan_between", [
+        ("decoder/plan/plan.c", "mse[i] + without.mse[i] - full->mse[i]", "mse[i]")]),
+    ("rows of the table of errors lost for one another", "plan", [
+        ("decoder/plan/table.c", "rows->next[r] = rows->first[slot];", "rows->next[r] = 0;")]),
+    ("samples of coarser levels left out of level 0", "leave_one_out", [
+        ("encoder/report/leave_one_out.c", "enc_evaluator_create(j->context, j->packed, (uint32_t)level,", "enc_evaluator_create(j->context, j->packed, 0 * (uint32_t)level,")]),
+    ("between errors of levels in files of version 1", "effect_errors", [
+        ("decoder/checks/effect_errors.c", "btfi_version(info) < 2 ? 1 : info->levels", "info->levels")]),
     ("parameters beyond 2^24 read", "decoder_bits", [
         ("decoder/shape.h", "magnitude <= BTFI_PARAMETER_MAX", "magnitude <= 2 * BTFI_PARAMETER_MAX")]),
     ("NaN taken for a coordinate", "decoder_bits", [

@@ -71,9 +71,9 @@ typedef struct btf_plan {
     float psnr_linear, psnr_srgb; /**< predicted for the plan */
     float full_psnr_linear, full_psnr_srgb; /**< predicted for the full decode of the same level */
     /** Estimated against the truth between the samples, of this plan and of the full decode: what the bands of
-     * btf_between_errors say that the scene meets, and what the plan adds to the full decode's error there. The
-     * table overstates, so that this is a bound rather than a figure. 0 where the file has no such table, the
-     * level is not 0, or view and light are samples, which have nothing between them. */
+     * btf_between_errors say of the level that the scene meets, and what the plan adds to the full decode's error there. The
+     * table overstates, so that this is a bound rather than a figure. 0 where the file says nothing of the level, or view
+     * and light are samples, which have nothing between them. */
     float between_psnr_linear, between_psnr_srgb;
     float full_between_psnr_linear, full_between_psnr_srgb; /**< likewise, of the full decode */
     /** Where the light of the scene is fixed, or its lights and the view stand still, and the plan can be folded
@@ -90,32 +90,38 @@ typedef struct btf_plan {
 } btf_plan;
 
 /** Finds the plan whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below the full decode's where the scene
- * looks, and whose mean of relative cost and relative bytes is least. Where view or light lie between the samples and
- * the file says what is lost there (btf_between_errors), that is the full decode's error: the half of it, 3 dB less,
- * since it is of samples left out, at double the gap (BRICKS64: before it is halved the estimate is, ring by ring, 3.1 to 3.7 dB below what images between the
- * samples show; no file keeps such truth). What a plan adds there is its squared difference to the
- * full decode (btf_material_effect_differences), as errors of decoding and of interpolation have nothing to do with each
- * other; beside a larger error it shows less. Where a file has no differences, it is the mean of the growth of the error at the samples,
- * which is too much, and of that against the data, interpolated, which is too little where relief moves texels. Where view and light are samples, or the
- * file has no such table, or at coarser levels, the error against those alone counts. Ways of the table of effect errors are compared
- * by their mean over the bands that the ranges meet; a view or light that never changes counts by how
- * near to a sample it is, where errors are larger than between. The level is the coarsest whose texels are
- * not larger than a pixel; the filter is bilinear where a texel is larger than a pixel and a half. Relief
- * and gloss are decoded where the file has them, but where the view is fixed and a sample, where they
- * change nothing, and relief but at levels where it has ended (btf_material_info.relief_end): the table
- * compares with interpolated samples, and cannot tell what they are worth between. Where the light is fixed and
- * the view is not, gloss keeps a plan from being folded: there, at level 0, it is left out where that and
- * what else the plan leaves out stay within the tolerance, the scene makes the fold, and the plan is the better for it. How much the error
- * grows without it is half of what btf_between_errors say (3 and 11), which is at double the gap. A plan that can be folded counts by its folded
- * cost; the bytes of the fold are not weighed. No memory is allocated. Errors: BTF_ERROR_USAGE (a range that holds no direction, a negative or
- * infinite number). */
+ * looks, and whose mean of relative cost and relative bytes is least. The level is the coarsest whose texels are not larger
+ * than a pixel; the filter is bilinear where a texel is larger than a pixel and a half.
+ *
+ * **The full decode's error** where the scene looks: where view or light lie between the samples and the file says what is
+ * lost there at the level (btf_between_errors), the half of that, 3 dB less, since it is of samples left out, at double the
+ * gap (BRICKS64: before it is halved the estimate is, ring by ring, 3.1 to 3.7 dB below what images between the samples
+ * show; no file keeps such truth). Where view and light are samples, or the file has no such rows, the error against the
+ * data. Ways of the table of effect errors are compared by their mean over the bands that the ranges meet; a view or light
+ * that never changes counts by how near to a sample it is, where errors are larger than between.
+ *
+ * **What a plan adds** between the samples is its squared difference to the full decode (btf_material_effect_differences),
+ * as errors of decoding and of interpolation have nothing to do with each other; beside a larger error it shows less. Where
+ * a file has no such row it is the mean of the growth of the error at the samples, which is too
+ * much, and of that against the data, interpolated, which is too little where relief moves texels.
+ *
+ * **Relief and gloss** change nothing where the view is fixed and a sample, nor relief at levels where it has ended
+ * (btf_material_info.relief_end): there they are left out. Elsewhere the data, interpolated, cannot tell what they are worth:
+ * without either the error grows by half of what btf_between_errors say of the level (rows 3 and 7, 3 and 11), which is at
+ * double the gap; without both by the sum. A file without these rows keeps them. PSNR against the data is foretold without
+ * them where the file has a row of that.
+ *
+ * A plan that can be folded counts by its folded cost, where the scene makes the fold; the bytes of the fold are not
+ * weighed. Under a light that is fixed and a view that is not, gloss keeps a plan from being folded. No memory is
+ * allocated. Errors: BTF_ERROR_USAGE (a range that holds no direction, a negative or infinite number). */
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene, float tolerance,
                             btf_plan *out_plan);
 
 /** Sets *out_linear and *out_srgb to the PSNR, in dB, that the file's table of effect errors predicts for the scene,
  * level and directions of a plan decoded another way: with the btf_effect bits @p effects and so many components or
- * units of the residual (0 without it). Errors: BTF_ERROR_UNSUPPORTED (the encoder did not measure this way; both are
- * 0). */
+ * units of the residual (0 without it). Without relief or gloss, where that was not measured, the error is that of the way
+ * with them, and what leaving them out changes of the full decode's. Errors: BTF_ERROR_UNSUPPORTED (the encoder measured
+ * neither; both are 0). */
 btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, uint32_t effects,
                             uint32_t components, float *out_linear, float *out_srgb);
 
