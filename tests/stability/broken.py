@@ -150,6 +150,8 @@ CHANGES = [
         ("decoder/plan/table.c", "rows->next[r] = rows->first[slot];", "rows->next[r] = 0;")]),
     ("samples of coarser levels left out of level 0", "leave_one_out", [
         ("encoder/report/leave_one_out.c", "enc_evaluator_create(j->context, j->packed, (uint32_t)level,", "enc_evaluator_create(j->context, j->packed, 0 * (uint32_t)level,")]),
+    ("more rows of errors measured than a table has", "effect_errors", [
+        ("encoder/report/effect_errors.c", "info->levels < most ? info->levels : most", "info->levels < most ? info->levels : info->levels")]),
     ("between errors of levels in files of version 1", "effect_errors", [
         ("decoder/checks/effect_errors.c", "btfi_version(info) < 2 ? 1 : info->levels", "info->levels")]),
     ("parameters beyond 2^24 read", "decoder_bits", [
