@@ -421,7 +421,7 @@ static btf_result leave_one_out(const enc_context *context, side *a, side *b) {
         result = check_same_samples(context, a, b);
     }
     if (result == BTF_OK) {
-        result = enc_leave_one_out_measure(context, a->data, b->material, &measured);
+        result = enc_leave_one_out_measure(context, a->data, b->material, 1, &measured);
     }
     if (result == BTF_OK && measured.views == 0 && measured.lights == 0) {
         result = enc_fail(context, BTF_ERROR_BAD_FILE,

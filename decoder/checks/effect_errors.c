@@ -4,10 +4,12 @@
  * SPDX-License-Identifier: MIT
  */
 #include "effect_errors.h"
+#include "decoder/shape.h"
+
 #include <math.h>
 #include <stdbool.h>
 
-enum { ROW_HEAD = 5, MAX_ROWS = 4096 };
+enum { ROW_HEAD = 5 };
 
 static bool is_integer(float value, uint32_t low, uint32_t high) {
     return value >= (float)low && value <= (float)high && value == floorf(value);
@@ -64,17 +66,38 @@ static btf_result check_effect_row(const btfi_check *check, const table_kind *ki
     return BTF_OK;
 }
 
+/* What a row of between errors says that was left out, and of which level: 16 times that is added. */
+enum { NEXT_LEVEL = 16, ROWS_OF_LEVEL = 7 };
+
+static bool may_leave_out(const btf_material_info *info, uint32_t what) {
+    switch (what) {
+    case 1:
+    case 2:
+    case 3:
+        return true;
+    case 5:
+    case 7:
+        return info->effects & BTF_EFFECT_RELIEF;
+    case 9:
+    case 11:
+        return info->effects & BTF_EFFECT_GLOSS;
+    default:
+        return false;
+    }
+}
+
 static btf_result check_between_row(const btfi_check *check, const table_kind *kind,
                                     const btf_material_info *info, const float *row, size_t index,
                                     size_t length) {
     (void)kind;
-    const bool without_relief = row[0] == 5 || row[0] == 7, without_gloss = row[0] == 9 || row[0] == 11;
-    if (!is_integer(row[0], 1, 3) && !(without_relief && info->effects & BTF_EFFECT_RELIEF) &&
-        !(without_gloss && info->effects & BTF_EFFECT_GLOSS)) {
+    const uint32_t levels = btfi_version(info) < 2 ? 1 : info->levels;
+    if (!is_integer(row[0], 1, NEXT_LEVEL * levels - 1) ||
+        !may_leave_out(info, (uint32_t)row[0] % NEXT_LEVEL)) {
         return btfi_fail(check->log, check->code,
                          "between errors: row %zu says that %g is left out; it must say 1 (view), 2 "
-                         "(light) or 3 (both), and with the effect relief also 5 or 7, with gloss 9 or 11",
-                         index, (double)row[0]);
+                         "(light) or 3 (both), and with the effect relief also 5 or 7, with gloss 9 or 11, "
+                         "plus 16 times a level of detail, of which there are %u",
+                         index, (double)row[0], (unsigned)levels);
     }
     for (size_t i = 1; i < length; i++) {
         if (!(row[i] >= 0 && row[i] <= 1) && !(row[i] == -1 && i >= ROW_HEAD)) {
@@ -119,19 +142,19 @@ static btf_result check_table(const btfi_check *check, const table_kind *kind,
 
 btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_info *info,
                                     const float *values, size_t count) {
-    static const table_kind kind = {"effect errors", MAX_ROWS, check_effect_row};
+    static const table_kind kind = {"effect errors", BTFI_MOST_EFFECT_ROWS, check_effect_row};
     return check_table(check, &kind, info, values, count);
 }
 
 btf_result btfi_check_effect_differences(const btfi_check *check, const btf_material_info *info,
                                          const float *values, size_t count) {
-    static const table_kind kind = {"effect differences", MAX_ROWS, check_effect_row};
+    static const table_kind kind = {"effect differences", BTFI_MOST_EFFECT_ROWS, check_effect_row};
     return check_table(check, &kind, info, values, count);
 }
 
 btf_result btfi_check_between_errors(const btfi_check *check, const btf_material_info *info,
                                      const float *values, size_t count) {
-    static const table_kind kind = {"between errors", 7, check_between_row};
+    const table_kind kind = {"between errors", ROWS_OF_LEVEL * (size_t)info->levels, check_between_row};
     return check_table(check, &kind, info, values, count);
 }
 

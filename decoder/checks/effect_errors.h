@@ -11,6 +11,8 @@
 
 #pragma GCC visibility push(hidden)
 
+enum { BTFI_MOST_EFFECT_ROWS = 4096 };
+
 /* Checks the numbers of the attribute openbtf.effectErrors against a (checked) info. */
 btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_info *info,
                                     const float *values, size_t count);

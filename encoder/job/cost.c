@@ -249,6 +249,15 @@ static double further(int levels) {
     return levels > 1 ? (1 - pow(0.25, levels - 1)) / 3 : 0;
 }
 
+/* Texels drawn of all levels where samples are left out. */
+static double left_out_texels(double texels, int levels) {
+    double sum = 0;
+    for (int level = 0; level < levels; level++) {
+        sum += fmin(texels * pow(0.25, level), ENC_LEFT_OUT_OF_LEVEL(level));
+    }
+    return sum;
+}
+
 static int levels_of(const enc_job *job, const enc_extent *e) {
     const int most = enc_level_count(e->width, e->height);
     return job->levels > 0 && job->levels < most ? job->levels : most;
@@ -284,11 +293,13 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
     add(&l, "effect errors",
         fmin(c.samples / 6, EFFECT_ERROR_SAMPLES) *
             (found.factors ? per_factor_evaluation : per_evaluation * (1 + 0.02 * found.components)));
+    const int levels_left_out = paper ? 1 : levels; /* of files of version 2, which the paper's method does not make */
     add(&l, "leave one out",
-        fmin(c.texels, ENC_LEFT_OUT_TEXELS) *
-            (3 * ENC_LEFT_OUT_PAIRS *
-                 (found.factors ? per_factor_left_out : per_left_out * (1 + 0.02 * found.components)) +
-             3 * c.views * c.lights * fetch));
+        left_out_texels(c.texels, levels_left_out) *
+                (3 * ENC_LEFT_OUT_PAIRS *
+                     (found.factors ? per_factor_left_out : per_left_out * (1 + 0.02 * found.components)) +
+                 3 * c.views * c.lights * fetch) +
+            further(levels_left_out) * c.samples * (per_filtered + fetch));
     if (levels > 1) {
         add(&l, "measure levels", further(levels) * c.samples * (sample + per_filtered + fetch));
     }

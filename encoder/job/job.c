@@ -172,12 +172,41 @@ static btf_result analyse_levels(const enc_context *context, const enc_job *job,
                           s->between.nodes.views ? &s->between.nodes : NULL, &s->found, &s->found_levels);
 }
 
+/* The table of errors between the samples: the numbers of the attribute openbtf.betweenErrors. */
+typedef struct between_table {
+    float *numbers;
+    size_t count;
+} between_table;
+
+/* Measures the levels of s->material, of files of version 1 level 0 alone, into a table, which the caller frees; *out_first:
+ * level 0. */
+static btf_result measure_between(const enc_context *context, const job_state *s, enc_leave_one_out *out_first,
+                                  between_table *out) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(s->material, &info);
+    const int levels = info.version < 2 ? 1 : (int)info.levels;
+    enc_leave_one_out *measured = calloc((size_t)levels, sizeof *measured);
+    out->numbers = malloc((size_t)levels * ENC_BETWEEN_NUMBERS * sizeof *out->numbers);
+    btf_result result = enc_ranks_agree(context, measured && out->numbers ? BTF_OK : BTF_ERROR_MEMORY);
+    if (result == BTF_OK) {
+        result = enc_leave_one_out_measure(context, s->data, s->material, levels, measured);
+    }
+    for (int level = 0; result == BTF_OK && level < levels; level++) {
+        out->count += enc_leave_one_out_numbers(&measured[level], level, out->numbers + out->count);
+    }
+    if (result == BTF_OK) {
+        *out_first = measured[0];
+    }
+    free(measured);
+    return result;
+}
+
 /* Packs, measures what was packed, and packs again with the errors in the header. */
 static btf_result pack_and_measure(const enc_context *context, const enc_job *job, job_state *s,
                                    enc_report *report) {
     btf_material_error rows[2 * ENC_REPORT_STEPS];
     enc_effect_tables effects = {0};
-    float between[ENC_BETWEEN_NUMBERS];
+    between_table between = {0};
     enc_pack_options options = {.layout = job->layout,
                                 .half_float = job->half_float,
                                 .method = report->method,
@@ -204,7 +233,7 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
                                                  : 0;
     }
     if (result == BTF_OK) {
-        result = enc_leave_one_out_measure(context, s->data, s->material, &report->between);
+        result = measure_between(context, s, &report->between, &between);
     }
     if (result == BTF_OK) {
         result = enc_levels_unpack(context, s->material, &s->stored, &s->stored_levels);
@@ -221,8 +250,8 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
         options.effect_error_count = effects.error_count;
         options.effect_differences = effects.differences;
         options.effect_difference_count = effects.difference_count;
-        options.between_errors = between;
-        options.between_error_count = enc_leave_one_out_numbers(&report->between, between);
+        options.between_errors = between.numbers;
+        options.between_error_count = between.count;
         options.errors = rows;
         options.error_count = enc_report_errors(report, rows);
         options.level_errors = level_rows;
@@ -231,6 +260,7 @@ static btf_result pack_and_measure(const enc_context *context, const enc_job *jo
         result = enc_pack(context, s->data, &s->found, &options, &s->material);
     }
     enc_effect_tables_clear(&effects);
+    free(between.numbers);
     report->material = s->material;
     return result;
 }

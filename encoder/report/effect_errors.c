@@ -19,13 +19,14 @@
 #include <string.h>
 
 enum {
-    MOST_VARIANTS = 32 * 5, /* subsets of effects, kinds */
+    MOST_VARIANTS = (32 + 3) * 5, /* subsets of effects, kinds */
     MOST_TEXELS = 512,
     MOST_PAIRS = 16,
     LEAST_EVALUATIONS = 200000,
     CELL_SAMPLES = 2048,
     MOST_EVALUATIONS = 3000000,
     MOST_OF_FULL = 300000,
+    MOST_ROWS = 4096, /* of a table (FORMAT.md) */
     ROW_HEAD = 5
 };
 
@@ -58,8 +59,10 @@ typedef struct job {
     enc_bands views, lights;
     variant *variants;
     size_t n_variants, n_rows, cells;
+    int levels;           /* that are measured: as many as a table has rows for */
     uint32_t all_effects; /* of the file */
     bool differences;     /* to the variants that decode everything: summed behind the errors */
+    size_t samples;       /* of the data, level 0 */
     size_t texels, pairs; /* of the level at hand; pairs: directions a texel and pair of bands */
     const btf_material *packed;
     float *rows;            /* of the level at hand */
@@ -95,16 +98,18 @@ static void add_way(job *j, const btf_material_info *info, uint32_t effects, con
     j->n_rows += count * KINDS;
 }
 
-/* All subsets of the effects present, but those that leave out relief or gloss: the data that errors are
- * measured against, interpolated between the samples, know nothing of the two, so that each would seem to
- * harm. The table of errors between the samples tells the worth of relief (leave_one_out.h). Of factors every
+/* All subsets of the effects present, with relief and gloss, for the data that errors are measured against,
+ * interpolated between the samples, know nothing of the two, so that each would seem to harm: what they are
+ * worth the table of errors between the samples tells (leave_one_out.h). Without either, all else is measured
+ * once, which says what leaving it out changes against these data. Of factors every
  * number of units, where there are 16 at most: one evaluation gives them all. Of components, and of more units, all,
  * seven eighths, three quarters, a half, ... an eighth, and the fewest two, in whole groups of four. */
 static void make_variants(job *j, const btf_material_info *info) {
     const uint32_t group = info->store == BTF_STORE_FACTORS ? 1 : 4;
     const uint32_t between = info->effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS);
     for (uint32_t effects = 0; effects <= info->effects; effects++) {
-        if (effects != 0 && (effects & between) != between) {
+        const bool lacks = (effects & between) != between;
+        if (effects != 0 && lacks && (effects | between) != info->effects) {
             continue;
         }
         if ((effects & ~info->effects) || effective(info, effects) != effects) {
@@ -120,7 +125,8 @@ static void make_variants(job *j, const btf_material_info *info) {
                                      k / 4,     k / 8,
                                      2 * group, group};
             const bool all = group == 1 && k <= MOST_COUNTS;
-            for (size_t i = 0; i < (all ? k : sizeof some / sizeof *some); i++) {
+            const size_t most = lacks ? 1 : all ? k : sizeof some / sizeof *some;
+            for (size_t i = 0; i < most; i++) {
                 const uint32_t components = all      ? k - (uint32_t)i
                                             : i == 0 ? k
                                                      : (some[i] + group - 1) / group * group;
@@ -276,13 +282,13 @@ static btf_result measure_texel(const void *user, size_t index, size_t texel, co
     return BTF_OK;
 }
 
-/* Texels and pairs of directions so that all rows take at most `evaluations`; halved so many times. */
-static void choose_samples(job *j, size_t evaluations, int halvings) {
+/* Texels and pairs of directions so that all rows take at most `evaluations`, and no more than the data are worth, whatever
+ * the level: a coarse one has few texels, but as many directions between the samples. */
+static void choose_samples(job *j, size_t evaluations) {
     const size_t count = enc_data_texel_count(j->data);
-    const size_t samples = count * (size_t)j->data->n_views * (size_t)j->data->n_lights;
-    const size_t enough = samples / 2 > LEAST_EVALUATIONS ? samples / 2 : LEAST_EVALUATIONS;
+    const size_t enough = j->samples / 2 > LEAST_EVALUATIONS ? j->samples / 2 : LEAST_EVALUATIONS;
     size_t each = (enough < evaluations ? enough : evaluations) / (j->n_rows * j->cells);
-    each = (each > CELL_SAMPLES ? CELL_SAMPLES : each) >> halvings;
+    each = each > CELL_SAMPLES ? CELL_SAMPLES : each;
     each = each < 16 ? 16 : each;
     j->texels = count < MOST_TEXELS ? count : MOST_TEXELS;
     if (j->texels > each) {
@@ -332,7 +338,7 @@ static btf_result correct_by_full(const job *all, double *mean) {
         return BTF_OK;
     }
     j.n_rows = j.n_variants;
-    choose_samples(&j, MOST_OF_FULL, 0);
+    choose_samples(&j, MOST_OF_FULL);
     if (j.texels * j.pairs <= all->texels * all->pairs) {
         return BTF_OK;
     }
@@ -353,9 +359,9 @@ static btf_result correct_by_full(const job *all, double *mean) {
     return result;
 }
 
-/* Steps of the stage: each level has half the samples of the one before. */
+/* Steps of the stage: further levels have half the samples of level 0. */
 static size_t steps_of(int level) {
-    return (size_t)1 << (BTF_MAX_LEVELS - level);
+    return level > 0 ? 1 : 2;
 }
 
 /* A row of a table, of the variant's n-th number of components; returns its end. */
@@ -382,13 +388,17 @@ static void write_rows(const job *j, int level, const double *mean) {
     }
 }
 
-/* Rows of differences: those of level 0 that compare between the samples, and where one direction is a sample; where both
- * are, the data say more. */
-static void write_differences(job *j, const double *mean) {
+/* Whether there is a row of differences of a kind. Where view and light are samples, the data say more; of coarser levels,
+ * to save bytes, only between the samples, by interpolated directions. */
+static bool has_differences(int level, kind kind) {
+    return level > 0 ? kind == INTERPOLATED : kind != AT_SAMPLES;
+}
+
+static void write_differences(job *j, int level, const double *mean) {
     for (size_t w = 0; w < j->n_variants; w++) {
         const variant *v = &j->variants[w];
-        for (size_t n = 0; n < v->count && v->kind != AT_SAMPLES; n++) {
-            j->difference_rows = write_row(j, v, n, 0, mean, j->difference_rows);
+        for (size_t n = 0; n < v->count && has_differences(level, v->kind); n++) {
+            j->difference_rows = write_row(j, v, n, level, mean, j->difference_rows);
         }
     }
 }
@@ -398,11 +408,11 @@ static btf_result measure_level(void *user, int level, const enc_data *data) {
     job *j = user;
     double *mean = NULL;
     j->data = data;
-    j->differences = level == 0 && j->difference_rows;
+    j->differences = j->difference_rows;
     btf_result result = enc_evaluator_create(j->context, j->packed, (uint32_t)level, &j->evaluator);
     result = enc_ranks_agree(j->context, result);
     if (result == BTF_OK) {
-        choose_samples(j, MOST_EVALUATIONS, level);
+        choose_samples(j, level > 0 ? MOST_EVALUATIONS / 2 : MOST_EVALUATIONS);
         result = measure_means(j, &mean);
     }
     if (result == BTF_OK) {
@@ -410,7 +420,7 @@ static btf_result measure_level(void *user, int level, const enc_data *data) {
     }
     enc_stage_step(j->context, steps_of(level));
     if (result == BTF_OK && j->differences) {
-        write_differences(j, mean + 2 * j->n_rows * j->cells);
+        write_differences(j, level, mean + 2 * j->n_rows * j->cells);
     }
     if (result == BTF_OK) {
         write_rows(j, level, mean);
@@ -429,7 +439,9 @@ static bool make_tables(job *j, const btf_material_info *info, enc_effect_tables
         return false;
     }
     make_variants(j, info);
-    out->error_count = head + info->levels * j->n_rows * length;
+    const size_t most = MOST_ROWS / j->n_rows;
+    j->levels = (int)(info->levels < most ? info->levels : most);
+    out->error_count = head + (size_t)j->levels * j->n_rows * length;
     out->errors = malloc(out->error_count * sizeof *out->errors);
     if (!out->errors) {
         return false;
@@ -438,7 +450,7 @@ static bool make_tables(job *j, const btf_material_info *info, enc_effect_tables
     if (j->variants[j->n_variants - KINDS].options.effects != j->all_effects) {
         return true; /* effects that do nothing: what decodes everything is not among the variants */
     }
-    out->difference_count = head + j->n_rows / KINDS * (KINDS - 1) * length;
+    out->difference_count = head + j->n_rows / KINDS * (KINDS - 2 + (size_t)j->levels) * length;
     out->differences = malloc(out->difference_count * sizeof *out->differences);
     if (!out->differences) {
         return false;
@@ -463,6 +475,7 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
     }
     job j = {.context = context,
              .packed = material,
+             .samples = enc_data_texel_count(data) * (size_t)data->n_views * (size_t)data->n_lights,
              .views = enc_bands_make(data->views, data->n_views),
              .lights = enc_bands_make(data->lights, data->n_lights)};
     j.cells = (size_t)j.views.count * (size_t)j.lights.count;
@@ -471,13 +484,13 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
         result = BTF_ERROR_MEMORY;
     } else {
         size_t steps = 0;
-        for (int level = 0; level < (int)info.levels; level++) {
+        for (int level = 0; level < j.levels; level++) {
             steps += steps_of(level);
         }
         enc_stage_begin(context, "effect errors", steps);
         result = measure_level(&j, 0, data);
-        if (result == BTF_OK && info.levels > 1) {
-            result = enc_level_each(context, data, (int)info.levels, measure_level, &j);
+        if (result == BTF_OK && j.levels > 1) {
+            result = enc_level_each(context, data, j.levels, measure_level, &j);
         }
         enc_stage_end(context);
     }
@@ -488,5 +501,6 @@ btf_result enc_effect_errors(const enc_context *context, const enc_data *data, c
     enc_effect_tables_clear(out);
     return result == BTF_ERROR_INTERRUPTED
                ? result
-               : enc_fail(context, result, "measuring the errors without single effects: %s", btf_result_text(result));
+               : enc_fail(context, result, "measuring the errors without single effects: %s",
+                          btf_result_text(result));
 }

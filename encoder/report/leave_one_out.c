@@ -7,6 +7,7 @@
 #include "drawn_texels.h"
 #include "encoder/base/ranks.h"
 #include "encoder/base/stage.h"
+#include "encoder/data/level_filter.h"
 #include "encoder/nodes/left_out.h"
 #include "encoder/math/srgb.h"
 #include "encoder/model/evaluator.h"
@@ -16,13 +17,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SUMS = 8, WITHOUT_RELIEF = 4, WITHOUT_GLOSS = 8 /* in the numbers of rows */ };
+enum { SUMS = 8, WITHOUT_RELIEF = 4, WITHOUT_GLOSS = 8, NEXT_LEVEL = 16 /* in the numbers of rows */ };
 
 /* The directions of a band that are drawn from: those that can be left out, or where there are none, all.
  */
 typedef struct pool {
     int count, member[ENC_MAX_DIRECTIONS]; /* in the list */
-    bool can_leave;         /* the others surround a member: `near` has its neighbours among them */
+    bool can_leave; /* the others surround a member: `near` has its neighbours among them */
     btf_ref_neighbours near[ENC_MAX_DIRECTIONS];
 } pool;
 
@@ -30,12 +31,14 @@ typedef struct job {
     const enc_context *context;
     const enc_data *data;
     const enc_evaluator *material; /* or NULL */
-    bool relief;                   /* it holds relief */
+    const btf_material *packed;    /* or NULL */
+    bool relief;                   /* it holds relief, which acts on the level at hand */
     enc_left_out_lights *gloss;    /* or NULL: it holds no gloss */
     int view_bands, light_bands;
     size_t cells; /* pairs of bands */
     pool views[BTF_MAX_BANDS], lights[BTF_MAX_BANDS];
-    size_t texels, pairs; /* pairs: of a texel in a cell */
+    size_t texels, pairs;   /* pairs: of a texel in a cell */
+    enc_leave_one_out *out; /* [levels] */
 } job;
 
 /* One pair of sampled directions. */
@@ -89,8 +92,9 @@ static void interpolate(const enc_data *data, const float *samples, const pair *
 }
 
 /* Adds the error of the material with some effects. lights: of each of the views; NULL: no gloss. */
-static void decode_pair(const job *j, enc_evaluated_texel *texel, const pair *p, const btf_ref_neighbours *lights,
-                        uint32_t effects, const float truth[3], double sum[2]) {
+static void decode_pair(const job *j, enc_evaluated_texel *texel, const pair *p,
+                        const btf_ref_neighbours *lights, uint32_t effects, const float truth[3],
+                        double sum[2]) {
     static const uint32_t all = UINT32_MAX;
     const btf_ref_options options = {
         .effects = effects, .interpolation = BTF_REF_LINEAR, .filter = BTF_REF_TEXEL};
@@ -106,8 +110,8 @@ static void decode_pair(const job *j, enc_evaluated_texel *texel, const pair *p,
 
 /* One sample, predicted: sum[0..1] of the data, sum[2..3] of the material, sum[4..5] and sum[6..7] of it without
  * relief and without gloss, which act where a view is left out. */
-static void measure_pair(const job *j, enc_evaluated_texel *texel, const float *samples, const pair *p, int left,
-                         double *sum) {
+static void measure_pair(const job *j, enc_evaluated_texel *texel, const float *samples, const pair *p,
+                         int left, double *sum) {
     const enc_data *data = j->data;
     const pair at = {.views = only(p->view), .lights = only(p->light)};
     const bool view_left = left & ENC_LEFT_VIEW;
@@ -125,8 +129,8 @@ static void measure_pair(const job *j, enc_evaluated_texel *texel, const float *
     }
     decode_pair(j, texel, p, shared ? lights : NULL, BTF_EFFECT_ALL, truth, sum + 2);
     if (j->relief && view_left) {
-        decode_pair(j, texel, p, shared ? lights : NULL, BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_RELIEF, truth,
-                    sum + 4);
+        decode_pair(j, texel, p, shared ? lights : NULL, BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_RELIEF,
+                    truth, sum + 4);
     }
     if (shared) {
         decode_pair(j, texel, p, NULL, BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_GLOSS, truth, sum + 6);
@@ -263,9 +267,13 @@ static btf_result make_pools(const enc_context *context, const enc_direction *di
     return result;
 }
 
-static btf_result measure_all(job *j, enc_leave_one_out *out) {
+/* What all levels share: the directions that can be left out, and the lights of gloss without each of them. */
+static btf_result prepare(job *j) {
     const enc_data *data = j->data;
-    const size_t count = enc_data_texel_count(data);
+    enc_leave_one_out *out = &j->out[0];
+    btf_material_info info = {.struct_size = sizeof info};
+    *out = (enc_leave_one_out){.view_bands = enc_bands_make(data->views, data->n_views),
+                               .light_bands = enc_bands_make(data->lights, data->n_lights)};
     btf_result result =
         make_pools(j->context, data->views, data->n_views, &out->view_bands, j->views, &out->views);
     if (result == BTF_OK) {
@@ -275,46 +283,74 @@ static btf_result measure_all(job *j, enc_leave_one_out *out) {
     j->view_bands = out->view_bands.count;
     j->light_bands = out->light_bands.count;
     j->cells = (size_t)j->view_bands * (size_t)j->light_bands;
-    j->texels = count < ENC_LEFT_OUT_TEXELS ? count : ENC_LEFT_OUT_TEXELS;
     j->pairs = ENC_LEFT_OUT_PAIRS / j->cells;
+    if (result == BTF_OK && j->packed) {
+        result = btf_material_get_info(j->packed, &info);
+    }
+    if (result == BTF_OK && info.effects & BTF_EFFECT_GLOSS) {
+        result = enc_left_out_lights_create(j->context, data, info.gloss_share, &j->gloss);
+    }
+    return enc_ranks_agree(j->context, result);
+}
+
+static size_t texels_of(size_t count, int level) {
+    const size_t most = ENC_LEFT_OUT_OF_LEVEL(level);
+    return count < most ? count : most;
+}
+
+/* Measures a level (an enc_level_fn). */
+static btf_result measure_level(void *user, int level, const enc_data *data) {
+    job *j = user;
+    enc_evaluator *evaluator = NULL;
     const size_t length = (1 + ENC_LEFT_BOTH) * j->cells * SUMS;
     double *sums = calloc(length, sizeof *sums);
-    result = enc_ranks_agree(j->context, result == BTF_OK && !sums ? BTF_ERROR_MEMORY : result);
-    enc_stage_begin(j->context, "leave one out", j->texels);
+    btf_result result = sums ? BTF_OK : BTF_ERROR_MEMORY;
+    if (result == BTF_OK && j->packed) {
+        result = enc_evaluator_create(j->context, j->packed, (uint32_t)level, &evaluator);
+    }
+    result = enc_ranks_agree(j->context, result);
     if (result == BTF_OK) {
+        j->data = data;
+        j->material = evaluator;
+        j->relief = evaluator && enc_evaluator_reference(evaluator)->effects & BTF_EFFECT_RELIEF;
+        j->texels = texels_of(enc_data_texel_count(data), level);
         result = enc_drawn_texels_sum(j->context, data, j->texels, length, measure_texel, j, sums);
     }
-    enc_stage_end(j->context);
     if (result == BTF_OK) {
-        sum_up(j, sums, out);
+        if (level > 0) {
+            j->out[level] = (enc_leave_one_out){.views = j->out[0].views,
+                                                .lights = j->out[0].lights,
+                                                .view_bands = j->out[0].view_bands,
+                                                .light_bands = j->out[0].light_bands};
+        }
+        sum_up(j, sums, &j->out[level]);
     }
+    enc_evaluator_destroy(&evaluator);
     free(sums);
     return result;
 }
 
 btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data *data,
-                                     const btf_material *material, enc_leave_one_out *out) {
-    enc_evaluator *evaluator = NULL;
+                                     const btf_material *material, int levels, enc_leave_one_out *out) {
     job *j = calloc(1, sizeof *j);
-    *out = (enc_leave_one_out){.view_bands = enc_bands_make(data->views, data->n_views),
-                               .light_bands = enc_bands_make(data->lights, data->n_lights)};
-    btf_result result = j ? BTF_OK : BTF_ERROR_MEMORY;
-    if (j && material) {
-        result = enc_evaluator_create(context, material, 0, &evaluator);
-    }
-    if (result == BTF_OK && evaluator && enc_evaluator_reference(evaluator)->effects & BTF_EFFECT_GLOSS) {
-        result = enc_left_out_lights_create(context, data, enc_evaluator_reference(evaluator)->gloss_share, &j->gloss);
-    }
-    result = enc_ranks_agree(context, result);
+    btf_result result = enc_ranks_agree(context, j ? BTF_OK : BTF_ERROR_MEMORY);
     if (result == BTF_OK) {
-        j->context = context;
-        j->data = data;
-        j->material = evaluator;
-        j->relief = evaluator && enc_evaluator_reference(evaluator)->effects & BTF_EFFECT_RELIEF;
-        result = measure_all(j, out);
-    }
-    enc_evaluator_destroy(&evaluator);
-    if (j) {
+        size_t steps = 0;
+        *j = (job){.context = context, .data = data, .packed = material, .out = out};
+        for (int level = 0; level < levels; level++) {
+            steps += texels_of((size_t)enc_level_side(data->width, level) *
+                                   (size_t)enc_level_side(data->height, level),
+                               level);
+        }
+        result = prepare(j);
+        enc_stage_begin(context, "leave one out", steps);
+        if (result == BTF_OK) {
+            result = measure_level(j, 0, data);
+        }
+        if (result == BTF_OK && levels > 1) {
+            result = enc_level_each(context, data, levels, measure_level, j);
+        }
+        enc_stage_end(context);
         enc_left_out_lights_destroy(&j->gloss);
     }
     free(j);
@@ -332,20 +368,22 @@ static const enc_error_sum *error_of_row(const enc_left_out_errors *e, int row) 
     return row & WITHOUT_GLOSS ? &e->no_gloss : row & WITHOUT_RELIEF ? &e->no_relief : &e->material;
 }
 
-size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, float *out) {
+size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, int level, float *out) {
     const float *const begin = out;
     const int cells = measured->view_bands.count * measured->light_bands.count;
     if (measured->views == 0 && measured->lights == 0) {
         return 0;
     }
-    out = enc_bands_write(&measured->view_bands, &measured->light_bands, out);
+    if (level == 0) {
+        out = enc_bands_write(&measured->view_bands, &measured->light_bands, out);
+    }
     for (int row = ENC_LEFT_VIEW; row <= WITHOUT_GLOSS + ENC_LEFT_BOTH; row++) {
         const int left = row & ENC_LEFT_BOTH;
         const enc_left_out_errors *e = &measured->error[left];
         if (left == 0 || error_of_row(e, row)->count == 0) {
             continue;
         }
-        *out++ = (float)row;
+        *out++ = (float)(row + NEXT_LEVEL * level);
         out = write_error(&e->data, write_error(error_of_row(e, row), out));
         for (int cell = 0; cell < cells; cell++) {
             out = write_error(error_of_row(&measured->band_error[left][cell], row), out);

@@ -31,6 +31,9 @@ typedef struct enc_left_out_errors {
 } enc_left_out_errors;
 
 enum { ENC_LEFT_OUT_TEXELS = 1024, ENC_LEFT_OUT_PAIRS = 256 }; /* that are drawn at most, pairs a texel */
+/* Texels that are drawn at most of a level: of level 1 a quarter of those of level 0, then half as many each, down to 64. */
+#define ENC_LEFT_OUT_OF_LEVEL(level)                                                                       \
+    ((level) == 0 ? ENC_LEFT_OUT_TEXELS : (level) < 3 ? ENC_LEFT_OUT_TEXELS >> ((level) + 1) : 64)
 
 typedef struct enc_leave_one_out {
     int views, lights; /* that can be left out (left_out.h) */
@@ -42,18 +45,19 @@ typedef struct enc_leave_one_out {
     enc_bands view_bands, light_bands;
 } enc_leave_one_out;
 
-/* Level 0 of `material` (NULL: the data alone), which must have the data's size and directions, at a subset
- * of texels and of pairs of view and light, spread evenly over the bands, that depends on nothing but the
- * data's extent: about a second of one core. Deterministic for any number of threads and ranks. Stage
- * "leave one out". Errors: those of the data, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+/* Measures levels 0 .. levels - 1 of `material` (NULL: the data alone), which must have the data's size and directions, beside
+ * the data, filtered to the level, into out[levels]: at a subset of texels and of pairs of view and light, spread evenly over
+ * the bands, that depends on nothing but the data's extent: about a second of one core for level 0, half of that for all
+ * further levels. Deterministic for any number of threads and ranks. Stage "leave one out". Errors: those of the data and of
+ * enc_level_each, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data *data,
-                                     const btf_material *material, enc_leave_one_out *out);
+                                     const btf_material *material, int levels, enc_leave_one_out *out);
 
-/* Numbers of the attribute openbtf.betweenErrors (FORMAT.md section 7) in `out`, which has room for
- * ENC_BETWEEN_NUMBERS; of a measurement with a material. Returns how many: 0 where nothing could be left
- * out. */
+/* Numbers of the attribute openbtf.betweenErrors (FORMAT.md section 7), of a level of a measurement with a material: of
+ * level 0 with the bands in front of its rows. `out` has room for ENC_BETWEEN_NUMBERS. Returns how many: 0 where nothing
+ * could be left out. */
 enum { ENC_BETWEEN_NUMBERS = 4 + 2 * BTF_MAX_BANDS + 7 * (5 + 2 * BTF_MAX_BANDS * BTF_MAX_BANDS) };
-size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, float *out);
+size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, int level, float *out);
 
 /* Prints a table for people, with a word on what the estimate overstates. Prints nothing where nothing could be
  * left out. */

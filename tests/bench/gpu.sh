@@ -20,7 +20,9 @@ mkdir -p "$out" || exit 2
 "$build/tests/conformance/btf-conform" --device "$device" "${conform[@]}" --quiet | tee "$out/conform.txt"
 conformance=$?
 [ $conformance != 5 ] || exit 5
-data=(--materials bricks --size 64x64)
+side=64
+[ -z "${QUICK:-}" ] || side=32
+data=(--materials bricks --size ${side}x$side)
 [ -z "$input" ] || data=(--input "$input")
 "$build/tests/bench/btf-bench" "${data[@]}" --only decode,costs --device "$device" --methods joint,paper,peers \
     ${QUICK:+--quick} --out "$out" --quiet >"$out/bench.txt"

@@ -110,9 +110,9 @@ CHANGES = [
     ("a sum of lights begun in the wrong texture", "fold_gl", [
         ("decoder/fold/gl_fold.c", "to = (count - 1 - i) % 2", "to = i % 2")]),
     ("gloss left out at any price", "fold", [
-        ("decoder/plan.c", "base[i] * (1 + gloss[i]) + c->growth", "base[i] + c->growth")]),
+        ("decoder/plan/plan.c", "base[i] * (1 + lack[i]) + way->growth", "base[i] + way->growth")]),
     ("gloss never left out", "fold", [
-        ("decoder/plan.c", "tolerance > 0 && plan->level == 0 &&", "tolerance > 1000 && plan->level == 0 &&")]),
+        ("decoder/plan/plan.c", "l->effects && !(s->between && s->tolerance > 0)", "l->effects && !(s->between && s->tolerance > 1000)")]),
     ("a light folded where gloss is decoded", "fold", [
         ("decoder/fold/fold.c", "all.fold == BTF_FOLD_LIGHT && effects & BTF_EFFECT_GLOSS", "all.fold == BTF_FOLD_LIGHT && effects == 0")]),
     ("a light folded where there is an SBRDF", "fold", [
@@ -130,17 +130,31 @@ CHANGES = [
     ("the masks of all draw buffers set by a fold", "fold_gl", [
         ("decoder/fold/gl_draw.c", "if (gl->ColorMaski) {", "if (gl->ColorMaski && gl->is_es) {")]),
     ("a plan that adds what shows against interpolated data alone", "plan", [
-        ("decoder/plan.c", "const double between = known ? difference[i] :", "const double between = known ? growth[i] :")]),
+        ("decoder/plan/growth.c", "const double between = known ? difference[i] :", "const double between = known ? growth[i] :")]),
     ("a file without differences taken at its word", "plan", [
-        ("decoder/plan.c", "fmax(growth[i], (growth[i] + at_samples[i]) / 2)", "growth[i]")]),
+        ("decoder/plan/growth.c", "fmax(growth[i], (growth[i] + at_samples[i]) / 2)", "growth[i]")]),
     ("differences measured against what is decoded least", "effect_errors", [
         ("encoder/report/effect_errors.c", "const size_t full = j->n_variants - KINDS;", "const size_t full = 0;")]),
     ("a sum of lights that leaves the last out", "still_lights", [
         ("decoder/tools/render/shade_fold.c", "i < request->lights; i++", "i + 1 < request->lights; i++")]),
     ("a plan that counts on a fold that its scene does not make", "fold", [
         ("decoder/fold/fold.c", "if (scene->no_fold) {", "if (scene->no_fold > 1) {")]),
-    ("gloss left out for a fold that does not pay in time", "fold", [
-        ("decoder/plan.c", "if (without && !(tried.folded_cost < tried.cost)) {", "if (without && tried.folded_cost < 0) {")]),
+    ("relief and gloss left out by one another's worth", "plan_between", [
+        ("decoder/plan/growth.c", "left + (gloss ? NO_GLOSS : NO_RELIEF)", "left + (gloss ? NO_RELIEF : NO_GLOSS)")]),
+    ("what nobody knows the worth of left out", "plan_between", [
+        ("decoder/plan/plan.c", "if (!l->known || (l->effects", "if ((l->effects")]),
+    ("a coarser level planned by what level 0 loses", "plan_between", [
+        ("decoder/plan/growth.c", "(float)(left_out + NEXT_LEVEL * level)", "(float)left_out")]),
+    ("errors without gloss foretold as with it", "plan_between", [
+        ("decoder/plan/plan.c", "mse[i] + without.mse[i] - full->mse[i]", "mse[i]")]),
+    ("rows of the table of errors lost for one another", "plan", [
+        ("decoder/plan/table.c", "rows->next[r] = rows->first[slot];", "rows->next[r] = 0;")]),
+    ("samples of coarser levels left out of level 0", "leave_one_out", [
+        ("encoder/report/leave_one_out.c", "enc_evaluator_create(j->context, j->packed, (uint32_t)level,", "enc_evaluator_create(j->context, j->packed, 0 * (uint32_t)level,")]),
+    ("more rows of errors measured than a table has", "effect_errors", [
+        ("encoder/report/effect_errors.c", "info->levels < most ? info->levels : most", "info->levels < most ? info->levels : info->levels")]),
+    ("between errors of levels in files of version 1", "effect_errors", [
+        ("decoder/checks/effect_errors.c", "btfi_version(info) < 2 ? 1 : info->levels", "info->levels")]),
     ("parameters beyond 2^24 read", "decoder_bits", [
         ("decoder/shape.h", "magnitude <= BTFI_PARAMETER_MAX", "magnitude <= 2 * BTFI_PARAMETER_MAX")]),
     ("NaN taken for a coordinate", "decoder_bits", [
@@ -267,7 +281,7 @@ CHANGES = [
         ("decoder/checks/info.c", "info->relief_end > info->levels)", "info->relief_end > 2 * info->levels)"),
         ("decoder/header.c", "(int32_t)info->levels, &info->levels", "BTF_MAX_LEVELS, &info->levels")]),
     ("relief planned at a level that has none", "relief_end", [
-        ("decoder/plan.c", "(btfi_relief_has_ended(&material->info, level) ? BTF_EFFECT_RELIEF : 0u)", "(level > BTF_MAX_LEVELS ? BTF_EFFECT_RELIEF : 0u)")]),
+        ("decoder/plan/plan.c", "(btfi_relief_has_ended(&material->info, level) ? BTF_EFFECT_RELIEF : 0u)", "(level > BTF_MAX_LEVELS ? BTF_EFFECT_RELIEF : 0u)")]),
     ("the end of relief written where it has none", "relief_end", [
         ("decoder/exr_write.c", "if (info->relief_end < info->levels)", "if (info->relief_end > 0)")]),
     ("textures of any size taken from a short file", "file", [

@@ -28,8 +28,9 @@
  * level), weighted as it likes. Where light and view are folded to radiance they are added beforehand, too
  * (btf_gl_fold_run_lights, btf_fold_add), and a pixel reads one texel for all: one sum a texel, in the order
  * of the lights. It has the bits of the sum of unfolded radiance of whole texels; a filter, which rounds,
- * then blends sums. Elsewhere they are not added beforehand: views that are blended as roots are squared
- * after they are blended, and those that are not are rounded after it.
+ * then blends sums. Elsewhere they are not added beforehand, and cost a fold, its bytes and its texels each: views
+ * that are blended as roots are squared after they are blended, so that the sum over lights is one of squares, which no
+ * value that is kept for a view and a texel gives; and those that are not are rounded after it.
  *
  * A fold takes views * texels evaluations of one view, about a third of a pixel's each (btf_fold_cost): it
  * pays where the light stands still for more pixels than a third of that.

@@ -264,7 +264,7 @@ typedef struct btf_effect_errors {
  * A row has 5 + 2 * view_bands * light_bands numbers:
  *
  *  - what is left out: 1 the view, 2 the light, 3 both; 5 and 7 are 1 and 3 decoded without BTF_EFFECT_RELIEF, 9 and 11
- *    without BTF_EFFECT_GLOSS, in a material that has it;
+ *    without BTF_EFFECT_GLOSS, in a material that has it; of level of detail n in a material of version 2, 16 * n more;
  *  - two mean squared errors of the material: linear, and sRGB-coded;
  *  - the same two of the data themselves, interpolated by the same weights;
  *  - then, [view band][light band], the same two of the material, -1 where nothing can be left out.
@@ -273,7 +273,7 @@ typedef struct btf_effect_errors {
 typedef struct btf_between_errors {
     uint32_t view_bands, light_bands;        /**< 1 .. BTF_MAX_BANDS */
     const float *view_limits, *light_limits; /**< [bands + 1] theta in degrees, ascending */
-    uint32_t row_count;                      /**< at most 7 */
+    uint32_t row_count;                      /**< at most 7 a level */
     uint32_t row_stride;                     /**< floats of a row */
     const float *rows;                       /**< [row_count][row_stride] */
 } btf_between_errors;
@@ -339,9 +339,9 @@ const btf_level_error *btf_material_level_errors(const btf_material *material, s
 btf_effect_errors btf_material_effect_errors(const btf_material *material);
 
 /** @return how far each way to decode is from decoding everything: laid out as btf_effect_errors, but that the mean
- * squared errors are differences to the material decoded with all effects and components and interpolated
- * directions, at level 0 (FORMAT.md section 7, openbtf.effectDifferences). There are no rows of directions 2: where
- * view and light are samples the data are known. Owned by the material. */
+ * squared errors are differences to the same level decoded with all effects and components and interpolated directions
+ * (FORMAT.md section 7, openbtf.effectDifferences). There are no rows of directions 2: where view and light are samples
+ * the data are known. For coarser levels the encoder writes rows of directions 0 alone. Owned by the material. */
 btf_effect_errors btf_material_effect_differences(const btf_material *material);
 
 /** @return the encoder's estimate of the error between the samples; owned by the material. */

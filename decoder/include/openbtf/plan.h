@@ -72,9 +72,9 @@ typedef struct btf_plan {
     float psnr_linear, psnr_srgb; /**< predicted for the plan */
     float full_psnr_linear, full_psnr_srgb; /**< predicted for the full decode of the same level */
     /** Estimated against the truth between the samples, of this plan and of the full decode: what the bands of
-     * btf_between_errors say that the scene meets, and what the plan adds to the full decode's error there. The
-     * table overstates, so that this is a bound rather than a figure. 0 where the file has no such table, the
-     * level is not 0, or view and light are samples, which have nothing between them. */
+     * btf_between_errors say of the level that the scene meets, and what the plan adds to the full decode's error there. The
+     * table overstates, so that this is a bound rather than a figure. 0 where the file says nothing of the level, or view
+     * and light are samples, which have nothing between them. */
     float between_psnr_linear, between_psnr_srgb;
     float full_between_psnr_linear, full_between_psnr_srgb; /**< likewise, of the full decode */
     /** How the plan can be folded (openbtf/fold.h), where the light of the scene is fixed, or its lights and the view stand
@@ -96,33 +96,33 @@ typedef struct btf_plan {
  *  - The candidates are the ways to decode that the table of effect errors has (btf_material_effect_errors). Their errors
  *    are averaged over the bands that the scene's ranges meet. A view or light that never changes counts by its distance
  *    from the nearest sample: errors are larger at samples than between them.
- *  - Where view or light lie between the samples, and the file tells what is lost there (btf_between_errors), the full
- *    decode's error is half of that, 3 dB less, since the table is of samples left out, at double the gap. (On BRICKS64
- *    the table is, ring by ring, 3.1 to 3.7 dB below what images between the samples show; no file keeps such truth.) A
- *    plan adds its squared difference to the full decode (btf_material_effect_differences), since errors of decoding and
- *    of interpolation are independent. Where the file has no differences, the mean of two numbers takes their place: how
- *    much the error at the samples grows, which is too much, and how much the error against the interpolated data grows,
- *    which is too little where relief moves texels. Where view and light are samples, at coarser levels, and in files
- *    without these tables, the error at the samples alone counts.
+ *  - Where view or light lie between the samples, and the file tells what is lost there at the level (btf_between_errors),
+ *    the full decode's error is half of that, 3 dB less, since the table is of samples left out, at double the gap. (On
+ *    BRICKS64 the table is, ring by ring, 3.1 to 3.7 dB below what images between the samples show; no file keeps such
+ *    truth.) Where view and light are samples, or the file has no such rows, the error against the data counts.
+ *  - A plan adds its squared difference to the full decode (btf_material_effect_differences), since errors of decoding and
+ *    of interpolation are independent. Where the file has no such row, the mean of two numbers takes its place: how much
+ *    the error at the samples grows, which is too much, and how much the error against the interpolated data grows, which
+ *    is too little where relief moves texels.
+ *  - Relief and gloss are left out where they change nothing: where the view is fixed and a sample, and relief at levels
+ *    where it has ended (btf_material_info.relief_end). Elsewhere the interpolated data cannot tell what they are worth:
+ *    without one of them the error grows by half of what btf_between_errors say of the level (rows 3 and 7, 3 and 11),
+ *    which is at double the gap; without both by the sum. Files without these rows keep both.
  *  - The level is the coarsest whose texels are not larger than a pixel; the filter is bilinear where a texel is larger
  *    than a pixel and a half.
- *  - Relief and gloss are decoded where the file has them: the table of effect errors compares with interpolated samples
- *    and cannot tell what they are worth between. They are left out where the view is fixed and a sample, since they
- *    change nothing there, and relief at levels where it has ended (btf_material_info.relief_end).
- *  - A plan that can be folded counts by its folded cost; the bytes of the fold are not weighed. Gloss keeps a fixed light
- *    under a view that is not fixed from being folded. At level 0 it is therefore left out where the scene makes the fold,
- *    the plan is the better for it, and the error stays within the tolerance, together with all else that the plan leaves
- *    out. The error without gloss is taken to grow by half of what btf_between_errors say (rows 3 and 11), which is at
- *    double the gap.
+ *  - A plan that can be folded counts by its folded cost where the scene makes the fold; the bytes of the fold are not
+ *    weighed. Gloss keeps a fixed light under a view that is not fixed from being folded.
  *
+ * PSNR against the data is predicted without relief or gloss where the file has a row of that.
  * Allocates no memory. Errors: BTF_ERROR_USAGE (a range that holds no direction, a negative or infinite number). */
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene, float tolerance,
                             btf_plan *out_plan);
 
 /** Sets *out_linear and *out_srgb to the PSNR, in dB, that the file's table of effect errors predicts for the scene,
  * level and directions of a plan decoded another way: with the btf_effect bits @p effects and so many components or
- * units of the residual (0 without it). Errors: BTF_ERROR_UNSUPPORTED (the encoder did not measure this way; both are
- * 0). */
+ * units of the residual (0 without it). Without relief or gloss, where that was not measured, the error is that of the way
+ * with them, and what leaving them out changes of the full decode's. Errors: BTF_ERROR_UNSUPPORTED (the encoder measured
+ * neither; both are 0). */
 btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, uint32_t effects,
                             uint32_t components, float *out_linear, float *out_srgb);
 

@@ -83,20 +83,35 @@ size_t between_bytes(const btf_material *material, uint32_t effect) {
     return effect == BTF_EFFECT_RELIEF ? btf_material_texture(material, BTF_TEXTURE_HEIGHTS).size : 0;
 }
 
-const char *const left_out_names[] = {[1] = "view",
-                                      [2] = "light",
-                                      [3] = "both",
-                                      [5] = "view, no relief",
-                                      [7] = "both, no relief",
-                                      [9] = "view, no gloss",
-                                      [11] = "both, no gloss"};
-const char *const left_out_keys[] = {[1] = "view",
-                                     [2] = "light",
-                                     [3] = "both",
-                                     [5] = "view_without_relief",
-                                     [7] = "both_without_relief",
-                                     [9] = "view_without_gloss",
-                                     [11] = "both_without_gloss"};
+enum { NEXT_LEVEL = 16 };
+
+/* Words and JSON keys of what is left out. */
+static const char *const left_out_names[] = {[1] = "view",
+                                             [2] = "light",
+                                             [3] = "both",
+                                             [5] = "view, no relief",
+                                             [7] = "both, no relief",
+                                             [9] = "view, no gloss",
+                                             [11] = "both, no gloss"};
+static const char *const left_out_keys[] = {[1] = "view",
+                                            [2] = "light",
+                                            [3] = "both",
+                                            [5] = "view_without_relief",
+                                            [7] = "both_without_relief",
+                                            [9] = "view_without_gloss",
+                                            [11] = "both_without_gloss"};
+
+int left_out_level(float number) {
+    return (int)number / NEXT_LEVEL;
+}
+
+const char *left_out_name(float number) {
+    return left_out_names[(int)number % NEXT_LEVEL];
+}
+
+const char *left_out_key(float number) {
+    return left_out_keys[(int)number % NEXT_LEVEL];
+}
 
 double decibels(float mse) {
     return mse > 1e-10f ? -10 * log10((double)mse) : 100;

@@ -46,9 +46,10 @@ bool find_gain(const btf_material_error *errors, size_t count, uint32_t effect,
 /* Textures that relief alone reads; gloss reads none of its own. */
 size_t between_bytes(const btf_material *material, uint32_t effect);
 
-/* Words and JSON keys of the first number of a row of btf_between_errors. */
-extern const char *const left_out_names[];
-extern const char *const left_out_keys[];
+/* The level of detail, the words and the JSON key of the first number of a row of btf_between_errors. */
+int left_out_level(float number);
+const char *left_out_name(float number);
+const char *left_out_key(float number);
 
 /* PSNR of a mean squared error, at most 100. */
 double decibels(float mse);

@@ -89,17 +89,24 @@ static void json_effects(json *j, const btf_material *material, const btf_materi
     json_end(j);
 }
 
-static void json_between(json *j, const btf_material *material) {
+static void json_between_row(json *j, const float *row) {
+    json_object(j, left_out_key(row[0]));
+    json_number(j, "linear", decibels(row[1]));
+    json_number(j, "srgb", decibels(row[2]));
+    json_number(j, "data_linear", decibels(row[3]));
+    json_number(j, "data_srgb", decibels(row[4]));
+    json_end(j);
+}
+
+/* The rows of a level. */
+static void json_between(json *j, const btf_material *material, int level) {
     const btf_between_errors e = btf_material_between_errors(material);
     json_object(j, "between");
     for (uint32_t i = 0; i < e.row_count; i++) {
         const float *row = e.rows + (size_t)i * e.row_stride;
-        json_object(j, left_out_keys[(int)row[0]]);
-        json_number(j, "linear", decibels(row[1]));
-        json_number(j, "srgb", decibels(row[2]));
-        json_number(j, "data_linear", decibels(row[3]));
-        json_number(j, "data_srgb", decibels(row[4]));
-        json_end(j);
+        if (left_out_level(row[0]) == level) {
+            json_between_row(j, row);
+        }
     }
     json_end(j);
 }
@@ -115,6 +122,9 @@ static void json_levels(json *j, const btf_material *material, const btf_materia
         if (error) {
             json_float(j, "linear", error->psnr_linear);
             json_float(j, "srgb", error->psnr_srgb);
+        }
+        if (i > 0) {
+            json_between(j, material, (int)i);
         }
         json_end(j);
     }
@@ -224,7 +234,7 @@ btf_result print_json(const cli_program *program, const char *path, uint64_t fil
     json_integer(&j, "tables", (int64_t)info->table_bytes);
     json_end(&j);
     json_effects(&j, material, info);
-    json_between(&j, material);
+    json_between(&j, material, 0);
     json_levels(&j, material, info);
     json_textures(&j, material, info);
     json_directions(&j, "views", &views);

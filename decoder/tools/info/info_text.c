@@ -114,8 +114,10 @@ static void print_between(const btf_material *material) {
         "left out", "material", "data, interpolated");
     for (uint32_t i = 0; i < e.row_count; i++) {
         const float *row = e.rows + (size_t)i * e.row_stride;
-        printf("  %-16s%7.2f / %6.2f%13.2f / %6.2f\n", left_out_names[(int)row[0]], decibels(row[1]),
+        const int level = left_out_level(row[0]);
+        printf("  %-16s%7.2f / %6.2f%13.2f / %6.2f", left_out_name(row[0]), decibels(row[1]),
                decibels(row[2]), decibels(row[3]), decibels(row[4]));
+        printf(level > 0 ? "  level %d\n" : "\n", level);
     }
 }
 

@@ -199,6 +199,8 @@ export interface Info {
      * samples, so that PSNR, in dB, is understated. Empty when not estimated.
      */
     readonly betweenErrors: readonly {
+        /** Of detail. */
+        readonly level: number;
         readonly leftOut: 'view' | 'light' | 'both';
         readonly without: readonly ('relief' | 'gloss')[];
         readonly psnrLinear: number;

@@ -44,7 +44,7 @@ class Between {
         this.#plan = fullPlan(material);
         this.#full = this.#plan?.fullBetweenPsnrSrgb > 0 ? mseOf(this.#plan.fullBetweenPsnrSrgb) : 0;
         this.#base = this.#full ? this.#predicted(material.info.effects, material.info.effects.includes('residual') ? material.info.components : 0) : undefined;
-        const rows = material.info.betweenErrors.filter(({ leftOut }) => leftOut === 'both');
+        const rows = material.info.betweenErrors.filter(({ level, leftOut }) => level === 0 && leftOut === 'both');
         const all = rows.find(({ without }) => without.length === 0);
         for (const { without: [effect], psnrSrgb } of all ? rows : []) {
             if (effect) {

@@ -16,26 +16,45 @@ static bool has(const btf_range *range, const enc_direction *direction) {
                                      direction->theta <= (double)range->theta[1]));
 }
 
+/* A texel of an image, box-filtered to a level of width x height texels. */
+static void filtered_texel(const bench_truth *truth, size_t image, uint32_t width, uint32_t height,
+                           size_t texel, double out[3]) {
+    const size_t across = (size_t)truth->width / width, down = (size_t)truth->height / height;
+    const size_t first = texel / width * down * (size_t)truth->width + texel % width * across;
+    const float *rgb = truth->images + 3 * image * (size_t)truth->width * (size_t)truth->height;
+    out[0] = out[1] = out[2] = 0;
+    for (size_t i = 0; i < across * down; i++) {
+        for (size_t c = 0; c < 3; c++) {
+            out[c] += (double)rgb[3 * (first + i / across * (size_t)truth->width + i % across) + c];
+        }
+    }
+    for (int c = 0; c < 3; c++) {
+        out[c] /= (double)(across * down);
+    }
+}
+
 size_t plan_truth(const bench_truth *truth, const btf_material *whole, const btf_material *small,
                   const btf_plan *plan, double planned[2], double full[2]) {
-    enum { STEP = 16, ODD = 5 }; /* a texel of every image is another's neighbour */
+    enum { ODD = 5 }; /* a texel of every image is another's neighbour */
     const btf_ref_options everything = {BTF_EFFECT_ALL, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_TEXEL},
                           chosen = plan_reference_options(plan);
-    const size_t texels = (size_t)truth->width * (size_t)truth->height;
     btf_ref_material a, b;
     size_t images = 0, values = 0;
-    reference_view(whole, 0, &a);
+    reference_view(whole, plan->level, &a);
     reference_view(small, 0, &b);
+    const size_t texels = (size_t)a.width * a.height, step = plan->level == 0 ? 16 : 1;
+    const bool even = truth->count > 0 && (uint32_t)truth->width % a.width == 0 &&
+                      (uint32_t)truth->height % a.height == 0;
     planned[0] = planned[1] = full[0] = full[1] = 0;
-    for (size_t i = 0; i < truth->count && plan->level == 0; i++) {
+    for (size_t i = 0; i < truth->count && even; i++) {
         const enc_pair *pair = &truth->pair[i];
         if (!has(&plan->scene.view, &pair->view) || !has(&plan->scene.light, &pair->light)) {
             continue;
         }
         images++;
-        for (size_t t = i * ODD % STEP; t < texels; t += STEP, values++) {
-            const float *rgb = truth->images + 3 * (i * texels + t);
-            const double exact[3] = {rgb[0], rgb[1], rgb[2]};
+        for (size_t t = i * ODD % step; t < texels; t += step, values++) {
+            double exact[3];
+            filtered_texel(truth, i, a.width, a.height, t, exact);
             const uint32_t column = (uint32_t)t % a.width, row = (uint32_t)t / a.width;
             float decoded[3];
             btf_ref_evaluate_texel(&a, &everything, column, row, pair->light.xyz, pair->view.xyz, decoded);

@@ -271,6 +271,52 @@ TEST(full_decodes_are_measured_finely) {
     enc_data_destroy(&black);
 }
 
+/* A material of 32 subsets of effects, nine numbers of components and eight levels calls for 6400 rows: those of the first
+ * levels are measured, and a file takes them. */
+TEST(more_rows_than_a_table_has) {
+    enum {
+        ALL =
+            BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL
+    };
+    const enc_context context = {.threads = 2};
+    enc_direction directions[DIRECTIONS];
+    random_state r = {3};
+    make_directions(directions);
+    btf_material_desc desc = random_material_desc(128, 1, DIRECTIONS, DIRECTIONS, BTF_LAYOUT_TIGHT, ALL);
+    for (int i = 0; i < DIRECTIONS; i++) {
+        memcpy((float *)(uintptr_t)desc.views + 3 * i, directions[i].xyz, 3 * sizeof(float));
+        memcpy((float *)(uintptr_t)desc.lights + 3 * i, directions[i].xyz, 3 * sizeof(float));
+    }
+    desc.info.components = 64;
+    desc.info.levels = 8;
+    random_material_fill(&r, &desc);
+    btf_material *material = NULL, *made = NULL;
+    assert_int_equal(btf_material_create(&desc, NULL, &material), BTF_OK);
+    enc_data *black = NULL;
+    assert_int_equal(
+        enc_data_create(&context, 128, 1, DIRECTIONS, directions, DIRECTIONS, directions, &black), BTF_OK);
+    enc_effect_tables tables;
+    assert_int_equal(enc_effect_errors(&context, black, material, &tables), BTF_OK);
+    desc.effect_errors = tables.errors;
+    desc.effect_error_count = tables.error_count;
+    desc.effect_differences = tables.differences;
+    desc.effect_difference_count = tables.difference_count;
+    assert_int_equal(btf_material_create(&desc, NULL, &made), BTF_OK);
+    const btf_effect_errors e = btf_material_effect_errors(made), d = btf_material_effect_differences(made);
+    assert_int_equal(e.row_count, 5 * 800);
+    assert_int_equal(d.row_count, (4 + 4) * 160); /* four kinds of level 0, one of each other */
+    for (uint32_t i = 0; i < d.row_count; i++) {
+        const float *row = d.rows + (size_t)i * d.row_stride;
+        assert_true(row[3] == (i < 4 * 160 ? 0 : (float)(1 + (i - 4 * 160) / 160)) &&
+                    (row[3] == 0 || row[2] == 0));
+    }
+    enc_effect_tables_clear(&tables);
+    btf_material_close(&material);
+    btf_material_close(&made);
+    enc_data_destroy(&black);
+    random_material_free(&desc);
+}
+
 /* Every number that cannot be is refused. */
 TEST(wrong_tables_are_refused) {
     const float good[] = {1, 2, 0, 90, 0, 30, 60, 8, 0, 0, 0, 100, 0.1f, 0.2f, 0.3f, 0.4f};
@@ -301,12 +347,14 @@ TEST(wrong_tables_are_refused) {
 
 /* Rows that leave relief or gloss out are there where the material holds it; those say what it is worth. */
 static void check_rows_without_effects(void) {
-    static const uint32_t effects[] = {0, BTF_EFFECT_RELIEF, BTF_EFFECT_GLOSS, BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS};
+    static const uint32_t effects[] = {0, BTF_EFFECT_RELIEF, BTF_EFFECT_GLOSS,
+                                       BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS};
     static const struct {
         float left_out;
         uint32_t wants;
-    } rows[] = {{5, BTF_EFFECT_RELIEF}, {7, BTF_EFFECT_RELIEF}, {9, BTF_EFFECT_GLOSS}, {11, BTF_EFFECT_GLOSS},
-                {13, UINT32_MAX},       {15, UINT32_MAX},       {8, UINT32_MAX}};
+    } rows[] = {{5, BTF_EFFECT_RELIEF}, {7, BTF_EFFECT_RELIEF}, {9, BTF_EFFECT_GLOSS},
+                {11, BTF_EFFECT_GLOSS}, {13, UINT32_MAX},       {15, UINT32_MAX},
+                {8, UINT32_MAX}};
     for (size_t e = 0; e < sizeof effects / sizeof *effects; e++) {
         random_state random = {3};
         btf_material_desc desc =
@@ -315,8 +363,9 @@ static void check_rows_without_effects(void) {
         for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
             const bool fits = rows[i].wants != UINT32_MAX && effects[e] & rows[i].wants;
             const float base = rows[i].left_out == 5 || rows[i].left_out == 9 ? 1 : 3;
-            const float values[] = {1, 1, 0, 90, 0,    90,    base,  0.01f, 0.02f, 0,    0,    0,
-                                    0, rows[i].left_out, 0.1f, 0.04f, 0, 0, 0, 0};
+            const float values[] = {1,     1,     0, 90, 0, 90, base,
+                                    0.01f, 0.02f, 0, 0,  0, 0,  rows[i].left_out,
+                                    0.1f,  0.04f, 0, 0,  0, 0};
             const bool tells = rows[i].left_out == 5 || rows[i].left_out == 11;
             btf_material *made = NULL;
             double gain[2];
@@ -328,6 +377,34 @@ static void check_rows_without_effects(void) {
                 assert_int_equal(known, tells && bit == rows[i].wants);
                 assert_true(!known || (fabs(gain[0] - 10) < 1e-4 && fabs(gain[1] - 10 * log10(2)) < 1e-4));
             }
+            btf_material_close(&made);
+        }
+        random_material_free(&desc);
+    }
+}
+
+/* Rows of coarser levels are there in files of version 2, of the levels that the material has. */
+static void check_rows_of_levels(void) {
+    static const struct {
+        float left_out;
+        bool
+            with_gloss; /* 2 levels and gloss, which needs version 2; else refused, as in version 1 all are */
+    } rows[] = {{16 + 1, true},  {16 + 3, true},  {16 + 11, true}, {16, false},     {16 + 4, false},
+                {16 + 7, false}, {32 + 3, false}, {16.5f, false},  {16 + 12, false}};
+    for (int gloss = 0; gloss < 2; gloss++) {
+        random_state random = {3};
+        btf_material_desc desc = random_material_desc(4, 4, 3, 2, BTF_LAYOUT_TIGHT,
+                                                      BTF_EFFECT_SHADOW | (gloss ? BTF_EFFECT_GLOSS : 0));
+        desc.info.levels = 2;
+        random_material_fill(&random, &desc);
+        for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+            const float values[] = {1, 1, 0, 90, 0, 90, 3, 0, 0, 0, 0, 0, 0, rows[i].left_out,
+                                    0, 0, 0, 0,  0, 0};
+            btf_material *made = NULL;
+            desc.between_errors = values;
+            desc.between_error_count = sizeof values / sizeof *values;
+            assert_int_equal(btf_material_create(&desc, NULL, &made),
+                             gloss && rows[i].with_gloss ? BTF_OK : BTF_ERROR_USAGE);
             btf_material_close(&made);
         }
         random_material_free(&desc);
@@ -357,8 +434,8 @@ TEST(between_errors_are_checked) {
     const struct {
         size_t index;
         float value;
-    } wrong[] = {{0, 0},    {0, 17}, {1, NAN},  {3, 60},   {6, 91},  {7, 0},         {7, 4},
-                 {7, 5},    {7, 1.5f}, {8, -1}, {9, 1.5f}, {11, NAN}, {12, -2}, {13, INFINITY}, {14, NAN}};
+    } wrong[] = {{0, 0},    {0, 17}, {1, NAN},  {3, 60},   {6, 91},  {7, 0},         {7, 4},   {7, 5},
+                 {7, 1.5f}, {8, -1}, {9, 1.5f}, {11, NAN}, {12, -2}, {13, INFINITY}, {14, NAN}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         float values[COUNT];
         memcpy(values, good, sizeof good);
@@ -366,6 +443,7 @@ TEST(between_errors_are_checked) {
         assert_null(with_tables(NULL, 0, values, COUNT, BTF_ERROR_USAGE));
     }
     check_rows_without_effects();
+    check_rows_of_levels();
     for (size_t count = 1; count < COUNT; count++) {
         made = with_tables(NULL, 0, good, count, count == 7 || count == 16 ? BTF_OK : BTF_ERROR_USAGE);
         btf_material_close(&made);

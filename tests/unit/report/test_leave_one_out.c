@@ -5,6 +5,7 @@
  */
 #include "decoder/toolkit/reference_view.h"
 #include "encoder/between/blend.h"
+#include "encoder/data/level_filter.h"
 #include "encoder/nodes/left_out.h"
 #include "encoder/report/leave_one_out.h"
 #include "encoder/report/left_out_lights.h"
@@ -12,6 +13,10 @@
 #include "tests/sample/sample.h"
 #include "tests/support/random_material.h"
 #include "tests/support/test.h"
+
+#include <math.h>
+#include <openbtf/plan.h>
+#include <stdlib.h>
 
 static const enc_context context = {.threads = 2};
 
@@ -121,7 +126,7 @@ static double error_without(const enc_data *data, int view, int light, int left)
 TEST(test_against_the_long_way) {
     enc_data *data = render(RELIEF_BUMPS, "0:1,50:8", "0:1,55:7", 16);
     enc_leave_one_out measured;
-    assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, &measured), BTF_OK);
+    assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, 1, &measured), BTF_OK);
     assert_true(measured.views == 9 && measured.lights == 8);
     for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
         double sum = 0;
@@ -177,7 +182,7 @@ TEST(test_an_exact_material) {
         }
     }
     enc_leave_one_out measured;
-    assert_int_equal(enc_leave_one_out_measure(&context, data, material, &measured), BTF_OK);
+    assert_int_equal(enc_leave_one_out_measure(&context, data, material, 1, &measured), BTF_OK);
     const enc_left_out_errors *view = &measured.error[ENC_LEFT_VIEW],
                               *both = &measured.error[ENC_LEFT_BOTH];
     /* The same views are blended, in radiance: rounding alone differs, and where the sum is below 0, which
@@ -186,7 +191,7 @@ TEST(test_an_exact_material) {
     assert_true(view->material.count == view->data.count && both->data.linear > 0);
     float numbers[ENC_BETWEEN_NUMBERS];
     const int v_bands = measured.view_bands.count, l_bands = measured.light_bands.count;
-    assert_int_equal(enc_leave_one_out_numbers(&measured, numbers),
+    assert_int_equal(enc_leave_one_out_numbers(&measured, 0, numbers),
                      4 + v_bands + l_bands + 3 * (5 + 2 * v_bands * l_bands));
     const float *row = numbers + 4 + v_bands + l_bands;
     assert_true(row[0] == ENC_LEFT_VIEW && row[1] == fminf((float)view->material.linear, 1) &&
@@ -233,12 +238,12 @@ TEST(test_without_gloss) {
     random_material_fill(&r, &desc);
     enc_data *data = data_of(&desc);
     assert_int_equal(btf_material_create(&desc, NULL, &material), BTF_OK);
-    assert_int_equal(enc_leave_one_out_measure(&context, data, material, &with), BTF_OK);
+    assert_int_equal(enc_leave_one_out_measure(&context, data, material, 1, &with), BTF_OK);
     btf_material_close(&material);
     desc.info.effects = BTF_EFFECT_RESIDUAL;
     desc.info.gloss_share = 0;
     assert_int_equal(btf_material_create(&desc, NULL, &material), BTF_OK);
-    assert_int_equal(enc_leave_one_out_measure(&context, data, material, &without), BTF_OK);
+    assert_int_equal(enc_leave_one_out_measure(&context, data, material, 1, &without), BTF_OK);
     for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
         const enc_left_out_errors *a = &with.error[left], *b = &without.error[left];
         assert_true(b->no_gloss.count == 0 && b->material.count > 0 && a->no_relief.count == 0);
@@ -252,13 +257,57 @@ TEST(test_without_gloss) {
     const size_t cells = (size_t)(with.view_bands.count * with.light_bands.count);
     const size_t head = 4 + (size_t)(with.view_bands.count + with.light_bands.count), row = 5 + 2 * cells;
     static const float rows[5] = {1, 2, 3, 9, 11};
-    assert_int_equal(enc_leave_one_out_numbers(&with, numbers), head + 5 * row);
+    assert_int_equal(enc_leave_one_out_numbers(&with, 0, numbers), head + 5 * row);
     for (size_t i = 0; i < 5; i++) {
         assert_true(numbers[head + i * row] == rows[i]);
     }
     assert_true(numbers[head + 4 * row + 1] == fminf((float)with.error[ENC_LEFT_BOTH].no_gloss.linear, 1));
     enc_data_destroy(&data);
     btf_material_close(&material);
+    random_material_free(&desc);
+}
+
+/* A coarser level is measured as level 0 of a material that begins there is, beside filtered data, and level 0 as if there
+ * were no other. */
+TEST(test_levels) {
+    random_state r = {8};
+    btf_material_desc desc =
+        random_material_desc(8, 6, 19, 19, BTF_LAYOUT_TIGHT, BTF_EFFECT_RESIDUAL | BTF_EFFECT_GLOSS);
+    const btf_scene far = {.struct_size = sizeof far, .pixels = 0.5f};
+    btf_material *material = NULL, *coarse = NULL;
+    enc_data *data, *filtered = NULL;
+    enc_leave_one_out levels[2], expected;
+    float numbers[ENC_BETWEEN_NUMBERS], others[ENC_BETWEEN_NUMBERS];
+    btf_plan plan;
+    desc.info.colour = BTF_COLOUR_NONE;
+    desc.info.lobes = 0;
+    desc.info.components = 4;
+    desc.info.levels = 2;
+    random_material_fill(&r, &desc);
+    data = data_of(&desc);
+    assert_int_equal(btf_material_create(&desc, NULL, &material), BTF_OK);
+    assert_int_equal(enc_leave_one_out_measure(&context, data, material, 2, levels), BTF_OK);
+    assert_int_equal(enc_leave_one_out_measure(&context, data, material, 1, &expected), BTF_OK);
+    assert_memory_equal(&levels[0], &expected, sizeof expected);
+    assert_int_equal(btf_plan_effects(material, &far, 0, &plan), BTF_OK);
+    assert_int_equal(plan.level, 1);
+    assert_int_equal(btf_material_restrict(material, &plan, NULL, &coarse), BTF_OK);
+    assert_int_equal(enc_level_filter(&context, data, 4, 3, &filtered), BTF_OK);
+    assert_int_equal(enc_leave_one_out_measure(&context, filtered, coarse, 1, &expected), BTF_OK);
+    assert_memory_equal(&levels[1], &expected, sizeof expected);
+    assert_true(levels[1].error[ENC_LEFT_BOTH].no_gloss.linear != levels[0].error[ENC_LEFT_BOTH].no_gloss.linear);
+    const size_t count = enc_leave_one_out_numbers(&levels[1], 1, numbers),
+                 head = enc_leave_one_out_numbers(&expected, 0, others) - count;
+    assert_int_equal(head, 4 + (size_t)(expected.view_bands.count + expected.light_bands.count));
+    for (size_t row = 0; row < count; row += count / 5) {
+        assert_true(numbers[row] == others[head + row] + 16);
+        numbers[row] -= 16;
+    }
+    assert_memory_equal(numbers, others + head, count * sizeof *numbers);
+    enc_data_destroy(&data);
+    enc_data_destroy(&filtered);
+    btf_material_close(&material);
+    btf_material_close(&coarse);
     random_material_free(&desc);
 }
 
@@ -305,8 +354,8 @@ TEST(test_threads_and_memory) {
     enc_data *data = render(RELIEF_BRICKS, "small", "small", 8);
     const enc_context alone = {.threads = 1};
     enc_leave_one_out two, one;
-    assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, &two), BTF_OK);
-    assert_int_equal(enc_leave_one_out_measure(&alone, data, NULL, &one), BTF_OK);
+    assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, 1, &two), BTF_OK);
+    assert_int_equal(enc_leave_one_out_measure(&alone, data, NULL, 1, &one), BTF_OK);
     assert_memory_equal(&one, &two, sizeof one);
     enc_data_destroy(&data);
 }
@@ -316,7 +365,7 @@ TEST(test_bands) {
     enc_data *data = render(RELIEF_BUMPS, "0:1,30:6,60:12", "0:1,45:5", 8);
     enc_leave_one_out measured;
     static const int views[3] = {1, 6, 12}, lights[2] = {1, 5};
-    assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, &measured), BTF_OK);
+    assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, 1, &measured), BTF_OK);
     assert_true(measured.view_bands.count == 3 && measured.light_bands.count == 2);
     for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
         double sum = 0, weight = 0;
@@ -335,7 +384,7 @@ TEST(test_bands) {
         assert_true(fabs(measured.error[left].data.linear - sum / weight) < 1e-9);
     }
     float numbers[ENC_BETWEEN_NUMBERS];
-    assert_int_equal(enc_leave_one_out_numbers(&measured, numbers), 2 + 4 + 3); /* no material: no row */
+    assert_int_equal(enc_leave_one_out_numbers(&measured, 0, numbers), 2 + 4 + 3); /* no material: no row */
     enc_data_destroy(&data);
 }
 
@@ -343,7 +392,7 @@ TEST(test_bands) {
 TEST(test_one_light) {
     enc_data *data = render(RELIEF_FLAT, "small", "0:1", 8);
     enc_leave_one_out measured;
-    assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, &measured), BTF_OK);
+    assert_int_equal(enc_leave_one_out_measure(&context, data, NULL, 1, &measured), BTF_OK);
     assert_true(measured.views > 0 && measured.lights == 0);
     assert_true(measured.error[ENC_LEFT_VIEW].data.count > 0 &&
                 measured.error[ENC_LEFT_LIGHT].data.count == 0 &&
