@@ -21,7 +21,7 @@ enum {
     ENC_MATCH_TRIED = 112, /* gains that the first search may take, before the scale of ENC_MATCH_GAINS is fitted */
     /* A texel's list of pairs of source and gain, in which its points, (texel, view), have an index.
      * BRICKS64 at 2.36 MB: lists of 16 33.77 / 31.41 dB, of 8 33.5 / 31.2, pairs of their own for all
-     * points 33.7 / 31.2, no match 33.2 / 31.1. */
+     * points 33.7 / 31.2, no match 33.2 / 31.1. More texels: allocation/BITS.md. */
     ENC_MATCH_ENTRIES = 16,
 };
 
