@@ -355,6 +355,9 @@ CHANGES = [
         ("decoder/wgsl/writer.c", "if (inner >= BITS || outer >= BITS) {", "if (inner > SHIFT) {")]),
     ("conditions of any depth in WGSL", "wgsl_translate", [
         ("decoder/wgsl/preprocess.c", "if (++c->depth > DEEPEST) {", "if (++c->depth == 0) {")]),
+    ("units left unused after match was found", "factor_match", [
+        ("encoder/factor/match/fit.c", "if (enc_factor_plan_error(&energies, &before, 0) < enc_factor_plan_error(&energies, plan, 0)) {",
+         "if (enc_factor_plan_error(&energies, &before, 0) < 0) {")]),
     ("free codes of units left empty", "factor", [
         ("encoder/factor/components.c", "#define LEAST_ENERGY 1e-20", "#define LEAST_ENERGY 1e-11")]),
     ("the same noise in every image of a sample", "sample", [

@@ -378,9 +378,16 @@ static btf_result plan_anew(const enc_factor_matrix *m, uint64_t budget, enc_fac
         energies.rank[c] = components[c].rank;
         energies.energy[c] = components[c].energy;
     }
-    return enc_factor_allocate(&energies, m->texels, codes->views, codes->lights, budget, plan)
-               ? BTF_OK
-               : no_memory(m);
+    const enc_factor_plan before = *plan;
+    if (!enc_factor_allocate(&energies, m->texels, codes->views, codes->lights, budget, plan)) {
+        return no_memory(m);
+    }
+    /* There are no more components than the plan before holds. In whole units another plan may hold fewer of them, and
+     * leave bytes of the budget unused. */
+    if (enc_factor_plan_error(&energies, &before, 0) < enc_factor_plan_error(&energies, plan, 0)) {
+        *plan = before;
+    }
+    return BTF_OK;
 }
 
 btf_result enc_match_fit(const enc_factor_matrix *matrix, uint64_t budget, const enc_match_bases *bases,

@@ -13,8 +13,13 @@
 #include "encoder/factor/match/search.h"
 #include "encoder/factor/method.h"
 #include "encoder/model/pack.h"
+#include "tests/sample/directions.h"
+#include "tests/sample/sample.h"
 #include "tests/support/test.h"
 #include "tests/support/uniform.h"
+
+#include <math.h>
+#include <stdlib.h>
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
@@ -512,6 +517,60 @@ TEST(test_a_survey_ends_early) {
         }
         uproot(&p);
     }
+}
+
+/* Bumps of btf-sample, ray-cast. */
+static enc_data *bumps(void) {
+    sample_options o = {.context = &two, .relief = RELIEF_BUMPS, .width = 16, .height = 16, .supersample = 1, .grid = 256};
+    enc_direction *views = NULL, *lights = NULL;
+    enc_data *data = NULL;
+    assert_int_equal(directions_parse(NULL, "0:1,40:6,65:6", &views, &o.n_views), BTF_OK);
+    assert_int_equal(directions_parse(NULL, "0:1,30:6,50:8,70:10", &lights, &o.n_lights), BTF_OK);
+    o.views = views;
+    o.lights = lights;
+    assert_int_equal(sample_render(&o, &data, NULL), BTF_OK);
+    free(views);
+    free(lights);
+    return data;
+}
+
+/* The rounds end with as many components as the plan before them holds. Where the allocation, which fills whole units,
+ * holds fewer of these in another plan, the earlier plan stays, and with it the bytes of the budget are used. */
+TEST_OF_NUMBERS(test_rounds_leave_no_unit_unused) {
+    static const size_t ranks[3] = {96, 48, 48};
+    enum { UNIT = 16 * (16 * 16 + COLUMNS) };
+    enc_data *data = bumps();
+    const enc_factor_matrix m = enc_factor_matrix_of(&two, data);
+    int kept = 0;
+    for (int units = 3; units <= 7; units++) {
+        enc_components components[3] = {{0}};
+        enc_factor_plan before, plan, anew;
+        enc_match match;
+        enc_match_bases bases;
+        double share = 0;
+        assert_int_equal(enc_components_find(&m, ranks, 1, components), BTF_OK);
+        enc_factor_energies energies = enc_components_energies(components);
+        const uint64_t budget = (uint64_t)units * UNIT + 2000;
+        assert_true(enc_factor_allocate(&energies, m.texels, VIEWS, LIGHTS, budget, &before));
+        plan = before;
+        assert_int_equal(enc_match_create(&two, 16, 16, VIEWS, true, &match), BTF_OK);
+        assert_int_equal(enc_match_find_bases(&m, &bases), BTF_OK);
+        assert_int_equal(enc_match_fit(&m, budget, &bases, HUGE_VAL, &match, components, &plan, &share), BTF_OK);
+        energies = enc_components_energies(components);
+        assert_true(enc_factor_allocate(&energies, m.texels, VIEWS, LIGHTS, budget, &anew));
+        const double error = enc_factor_plan_error(&energies, &plan, 0);
+        assert_true(error <= enc_factor_plan_error(&energies, &before, 0));
+        assert_true(error <= enc_factor_plan_error(&energies, &anew, 0));
+        kept += error < enc_factor_plan_error(&energies, &anew, 0);
+        enc_match_bases_clear(&bases);
+        enc_match_clear(&match);
+        for (int c = 0; c < 3; c++) {
+            enc_components_clear(&components[c]);
+        }
+    }
+    printf("the earlier plan stays in %d of 5 budgets\n", kept);
+    assert_true(kept > 0);
+    enc_data_destroy(&data);
 }
 
 /* Levels of detail decode, without match, with what they share. */
