@@ -392,7 +392,9 @@ class NotBuilt(Exception):
 def folder_of(test):
     """The folder of the build that has a test's program: that of its source, but for two; None where there is none."""
     root = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-    sources = glob.glob(f'{root}/*/**/test_{test}.c', recursive=True)
+    room, _, rest = test.partition('_')  # factor_match: of unit/factor/test_match.c
+    sources = (glob.glob(f'{root}/*/**/test_{test}.c', recursive=True)
+               or rest and glob.glob(f'{root}/*/{room}/test_{rest}.c'))
     return 'conformance' if test in ('evaluator', 'sampling') else os.path.relpath(sources[0], root).split('/')[0] if sources else None
 
 
