@@ -144,7 +144,7 @@ CHANGES = [
     ("what nobody knows the worth of left out", "plan_between", [
         ("decoder/plan/plan.c", "if (!l->known || (l->effects", "if ((l->effects")]),
     ("a coarser level planned by what level 0 loses", "plan_between", [
-        ("decoder/plan/growth.c", "(float)(left_out + NEXT_LEVEL * level)", "(float)left_out")]),
+        ("decoder/plan/growth.c", "(float)(left_out + BTF_BETWEEN_NEXT_LEVEL * level)", "(float)left_out")]),
     ("errors without gloss foretold as with it", "plan_between", [
         ("decoder/plan/plan.c", "mse[i] + without.mse[i] - full->mse[i]", "mse[i]")]),
     ("rows of the table of errors lost for one another", "plan", [
