@@ -345,6 +345,47 @@ TEST(wrong_tables_are_refused) {
     }
 }
 
+/* A material of all effects has the most sets that are measured: 32 with relief and gloss, all else without either or both,
+ * and nothing at all; each in five kinds of directions. */
+TEST(all_effects_are_measured) {
+    const enc_context context = {.threads = 1};
+    random_state random = {5};
+    enc_direction directions[3];
+    btf_material_desc desc = random_material_desc(2, 2, 3, 2, BTF_LAYOUT_TIGHT, BTF_EFFECT_ALL);
+    btf_material *material = NULL;
+    enc_data *data = NULL;
+    enc_effect_tables tables;
+    random_material_fill(&random, &desc);
+    for (int i = 0; i < 3; i++) {
+        directions[i] = enc_direction_from_angles(20 * i, 0);
+    }
+    assert_int_equal(enc_data_create(&context, 2, 2, 3, directions, 2, directions, &data), BTF_OK);
+    for (size_t i = 0; i < enc_data_texel_count(data) * enc_data_texel_stride(data); i++) {
+        data->samples[i] = 0.5f;
+    }
+    assert_int_equal(btf_material_create(&desc, NULL, &material), BTF_OK);
+    assert_int_equal(enc_effect_errors(&context, data, material, &tables), BTF_OK);
+    const size_t views = (size_t)tables.errors[0], lights = (size_t)tables.errors[1];
+    const size_t head = 4 + views + lights, length = 5 + 2 * views * lights;
+    const size_t rows = (tables.error_count - head) / length;
+    size_t kinds[5] = {0}, sets = 0;
+    bool seen[BTF_EFFECT_ALL + 1] = {false};
+    for (size_t r = 0; r < rows; r++) {
+        const float *row = tables.errors + head + r * length;
+        sets += !seen[(int)row[0]];
+        seen[(int)row[0]] = true;
+        kinds[(int)row[2]]++;
+    }
+    assert_int_equal(sets, 32 + 3 + 1);
+    for (int k = 0; k < 5; k++) {
+        assert_int_equal(kinds[k], rows / 5);
+    }
+    enc_effect_tables_clear(&tables);
+    enc_data_destroy(&data);
+    btf_material_close(&material);
+    random_material_free(&desc);
+}
+
 /* Rows that leave relief or gloss out are there where the material holds it; those say what it is worth. */
 static void check_rows_without_effects(void) {
     static const uint32_t effects[] = {0, BTF_EFFECT_RELIEF, BTF_EFFECT_GLOSS,
