@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "decoder/toolkit/scene_option.h"
 #include "tests/support/random_material.h"
 #include <math.h>
 #include <openbtf/plan.h>
@@ -139,6 +140,33 @@ static void worth_is_what_tolerances_count(void **state) {
     btf_material_close(&silent);
 }
 
+/* So say btf-info --plan and btf-view. */
+static void reasons_tell_what_plans_count(void **state) {
+    (void)state;
+    btf_material *material = make(6), *silent = make(1);
+    char text[80];
+    const btf_plan near = plan_of(material, 1, 0), far = plan_of(material, 0.5f, 0),
+                   loose = plan_of(material, 1, 0.5f), unknown = plan_of(silent, 1, 0);
+    const struct {
+        const btf_material *material;
+        const btf_plan *plan;
+        int index;
+        const char *text;
+    } cases[] = {{material, &near, 5, "on, worth +0.1/+0.1 dB between the samples"},
+                 {material, &far, 5, "on, worth +1.0/+1.0 dB between the samples"},
+                 {material, &far, 6, "on, worth +0.0/+0.0 dB between the samples"},
+                 {material, &loose, 6, "off, worth +0.1/+0.1 dB between the samples"},
+                 {silent, &unknown, 6, "on, acts between the samples"}};
+    assert_true(RELIEF == 1 << 5 && GLOSS == 1 << 6);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_string_equal(
+            scene_plan_reason(cases[i].material, cases[i].plan, cases[i].index, text, sizeof text),
+            cases[i].text);
+    }
+    btf_material_close(&material);
+    btf_material_close(&silent);
+}
+
 /* Against interpolated data the error of ways that were not measured changes without gloss as the full decode's does. */
 static void errors_without_gloss_are_foretold(void **state) {
     (void)state;
@@ -180,6 +208,7 @@ int main(void) {
         cmocka_unit_test(errors_without_gloss_are_foretold),
         cmocka_unit_test(levels_have_errors_of_their_own),
         cmocka_unit_test(worth_is_what_tolerances_count),
+        cmocka_unit_test(reasons_tell_what_plans_count),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
