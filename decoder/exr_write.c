@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include "decoder/checks/effect_errors.h"
 #include "exr_common.h"
 #include "material.h"
 #include "parts.h"
@@ -143,6 +144,32 @@ static void put_level_errors(header *h, const btf_material *m) {
     put_floats(h, "openbtf.levelErrors", rows, 4 * m->level_error_count);
 }
 
+/* Writes the rows of errors between the samples that are of level 0, or those of coarser levels, behind the bands and
+ * limits of the table; without rows of coarser levels nothing for those. */
+static void put_between_rows(header *h, const btf_material *m, bool coarser, const char *name) {
+    const btf_between_errors b = btf_material_between_errors(m);
+    if (h->result || !m->between_error_count) {
+        return;
+    }
+    float *table = malloc(m->between_error_count * sizeof *table);
+    if (!table) {
+        h->result = EXR_ERR_OUT_OF_MEMORY;
+        return;
+    }
+    const size_t head = btfi_table_head(m->between_errors);
+    size_t count = head;
+    memcpy(table, m->between_errors, head * sizeof *table);
+    for (uint32_t r = 0; r < b.row_count; r++) {
+        const float *row = b.rows + (size_t)r * b.row_stride;
+        if ((row[0] >= BTF_BETWEEN_NEXT_LEVEL) == coarser) {
+            memcpy(table + count, row, b.row_stride * sizeof *table);
+            count += b.row_stride;
+        }
+    }
+    put_floats(h, name, table, coarser && count == head ? 0 : count);
+    free(table);
+}
+
 static void put_factors(header *h, const btf_material *m) {
     const btf_material_info *info = &m->info;
     float classes[3 * BTF_FACTOR_CLASSES];
@@ -252,7 +279,8 @@ static exr_result_t write_attributes(exr_context_t context, const btf_material *
     put_level_errors(&h, m);
     put_floats(&h, "openbtf.effectErrors", m->effect_errors, m->effect_error_count);
     put_floats(&h, "openbtf.effectDifferences", m->effect_differences, m->effect_difference_count);
-    put_floats(&h, "openbtf.betweenErrors", m->between_errors, m->between_error_count);
+    put_between_rows(&h, m, false, "openbtf.betweenErrors");
+    put_between_rows(&h, m, true, "openbtf.levelBetweenErrors");
     return h.result;
 }
 

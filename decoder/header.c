@@ -180,18 +180,55 @@ static void get_effect_differences(btfi_attributes *r, btf_material *m) {
     }
 }
 
+/* A table of errors between the samples, checked; NULL where the file has none, or it is refused. */
+static const float *get_between_table(btfi_attributes *r, const btf_material_info *info, const char *name,
+                                      btfi_between_table where, size_t *out_count) {
+    const float *values = btfi_get_floats(r, name, false, 1, 1 << 20, out_count);
+    if (values) {
+        r->result = btfi_check_between_errors(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, info, where,
+                                              values, *out_count);
+    }
+    return r->result ? NULL : values;
+}
+
+/* Both tables of errors between the samples become one: the rows of coarser levels follow those of level 0. */
 static void get_between_errors(btfi_attributes *r, btf_material *m) {
-    const char *const name = "openbtf.betweenErrors";
-    size_t count;
-    const float *values = btfi_get_floats(r, name, false, 1, 1 << 20, &count);
-    if (!values) {
+    const char *const name = "openbtf.betweenErrors", *const level_name = "openbtf.levelBetweenErrors";
+    size_t count = 0, level_count = 0;
+    const float *values = get_between_table(r, &m->info, name, BTFI_BETWEEN_OF_LEVEL_0, &count),
+                *of_levels = NULL;
+    if (m->info.version >= 2) {
+        of_levels =
+            get_between_table(r, &m->info, level_name, BTFI_BETWEEN_OF_COARSER_LEVELS, &level_count);
+    }
+    if (r->result || !of_levels) {
+        if (values && !r->result) {
+            btfi_keep_floats(r, name, values, count, &m->between_errors, &m->between_error_count);
+        }
         return;
     }
-    r->result =
-        btfi_check_between_errors(&(btfi_check){r->log, BTF_ERROR_BAD_FILE}, &m->info, values, count);
-    if (!r->result) {
-        btfi_keep_floats(r, name, values, count, &m->between_errors, &m->between_error_count);
+    if (!values) {
+        btfi_keep_floats(r, level_name, of_levels, level_count, &m->between_errors,
+                         &m->between_error_count);
+        return;
     }
+    const size_t head = btfi_table_head(of_levels);
+    /* Counts of bands come first, so that no number beyond the other head is read. */
+    for (size_t i = 0; i < head; i++) {
+        if (of_levels[i] != values[i]) {
+            btfi_refuse(r, "attribute %s: number %zu, of bands and their limits, is %g, but in %s it is %g",
+                        level_name, i, (double)of_levels[i], name, (double)values[i]);
+            return;
+        }
+    }
+    m->between_errors = malloc((count + level_count - head) * sizeof *m->between_errors);
+    if (!m->between_errors) {
+        btfi_out_of_memory(r, level_name);
+        return;
+    }
+    m->between_error_count = count + level_count - head;
+    memcpy(m->between_errors, values, count * sizeof *values);
+    memcpy(m->between_errors + count, of_levels + head, (level_count - head) * sizeof *values);
 }
 
 /* Exactly `group` numbers for each of `items`, into *out; nothing may be there when items are 0. */

@@ -388,7 +388,7 @@ btf_result btf_material_create(const btf_material_desc *desc, const btf_log *log
              btfi_check_effect_errors(&check, &m->info, desc->effect_errors, desc->effect_error_count)) ||
         (result = btfi_check_effect_differences(&check, &m->info, desc->effect_differences,
                                                 desc->effect_difference_count)) ||
-        (result = btfi_check_between_errors(&check, &m->info, desc->between_errors,
+        (result = btfi_check_between_errors(&check, &m->info, BTFI_BETWEEN_IN_MEMORY, desc->between_errors,
                                             desc->between_error_count)) ||
         (result = copy_provenance(desc, log, m))) {
         btf_material_close(&m);

@@ -1,5 +1,6 @@
 /* OpenBTF: tables of measured errors by bands of view and light (FORMAT.md section 7): of each way to
- * decode (openbtf.effectErrors, openbtf.effectDifferences), and between the samples (openbtf.betweenErrors).
+ * decode (openbtf.effectErrors, openbtf.effectDifferences), and between the samples (openbtf.betweenErrors,
+ * openbtf.levelBetweenErrors).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,6 +21,8 @@ typedef struct table_kind table_kind;
 struct table_kind {
     const char *name; /* in messages */
     size_t most;      /* rows */
+    /* Of errors between the samples: the levels that it may have rows of. */
+    uint32_t first_level, end_level;
     btf_result (*check_row)(const btfi_check *check, const table_kind *kind, const btf_material_info *info,
                             const float *row, size_t index, size_t length);
 };
@@ -66,8 +69,7 @@ static btf_result check_effect_row(const btfi_check *check, const table_kind *ki
     return BTF_OK;
 }
 
-/* What a row of between errors says that was left out, and of which level: 16 times that is added. */
-enum { NEXT_LEVEL = 16, ROWS_OF_LEVEL = 7 };
+enum { ROWS_OF_LEVEL = 7 }; /* of errors between the samples */
 
 static bool may_leave_out(const btf_material_info *info, uint32_t what) {
     switch (what) {
@@ -89,21 +91,20 @@ static bool may_leave_out(const btf_material_info *info, uint32_t what) {
 static btf_result check_between_row(const btfi_check *check, const table_kind *kind,
                                     const btf_material_info *info, const float *row, size_t index,
                                     size_t length) {
-    (void)kind;
-    const uint32_t levels = btfi_version(info) < 2 ? 1 : info->levels;
-    if (!is_integer(row[0], 1, NEXT_LEVEL * levels - 1) ||
-        !may_leave_out(info, (uint32_t)row[0] % NEXT_LEVEL)) {
+    if (!is_integer(row[0], BTF_BETWEEN_NEXT_LEVEL * kind->first_level,
+                    BTF_BETWEEN_NEXT_LEVEL * kind->end_level - 1) ||
+        !may_leave_out(info, (uint32_t)row[0] % BTF_BETWEEN_NEXT_LEVEL)) {
         return btfi_fail(check->log, check->code,
-                         "between errors: row %zu says that %g is left out; it must say 1 (view), 2 "
+                         "%s: row %zu says that %g is left out; it must say 1 (view), 2 "
                          "(light) or 3 (both), and with the effect relief also 5 or 7, with gloss 9 or 11, "
-                         "plus 16 times a level of detail, of which there are %u",
-                         index, (double)row[0], (unsigned)levels);
+                         "plus 16 times a level of detail, from %u to %u here",
+                         kind->name, index, (double)row[0], (unsigned)kind->first_level,
+                         (unsigned)kind->end_level - 1);
     }
     for (size_t i = 1; i < length; i++) {
         if (!(row[i] >= 0 && row[i] <= 1) && !(row[i] == -1 && i >= ROW_HEAD)) {
-            return btfi_fail(check->log, check->code,
-                             "between errors: row %zu, number %zu is %g, not within 0 to 1", index, i,
-                             (double)row[i]);
+            return btfi_fail(check->log, check->code, "%s: row %zu, number %zu is %g, not within 0 to 1",
+                             kind->name, index, i, (double)row[i]);
         }
     }
     return BTF_OK;
@@ -142,20 +143,32 @@ static btf_result check_table(const btfi_check *check, const table_kind *kind,
 
 btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_info *info,
                                     const float *values, size_t count) {
-    static const table_kind kind = {"effect errors", BTFI_MOST_EFFECT_ROWS, check_effect_row};
+    static const table_kind kind = {"effect errors", BTFI_MOST_EFFECT_ROWS, 0, 0, check_effect_row};
     return check_table(check, &kind, info, values, count);
 }
 
 btf_result btfi_check_effect_differences(const btfi_check *check, const btf_material_info *info,
                                          const float *values, size_t count) {
-    static const table_kind kind = {"effect differences", BTFI_MOST_EFFECT_ROWS, check_effect_row};
+    static const table_kind kind = {"effect differences", BTFI_MOST_EFFECT_ROWS, 0, 0, check_effect_row};
     return check_table(check, &kind, info, values, count);
 }
 
 btf_result btfi_check_between_errors(const btfi_check *check, const btf_material_info *info,
-                                     const float *values, size_t count) {
-    const table_kind kind = {"between errors", ROWS_OF_LEVEL * (size_t)info->levels, check_between_row};
+                                     btfi_between_table where, const float *values, size_t count) {
+    const bool coarser = where == BTFI_BETWEEN_OF_COARSER_LEVELS;
+    const uint32_t levels = btfi_version(info) < 2 ? 1 : info->levels;
+    const uint32_t first = coarser ? 1 : 0, end = where == BTFI_BETWEEN_OF_LEVEL_0 ? 1 : levels;
+    if (count && end <= first) {
+        return btfi_fail(check->log, check->code,
+                         "level between errors: there are %zu numbers, but no coarser level", count);
+    }
+    const table_kind kind = {coarser ? "level between errors" : "between errors",
+                             ROWS_OF_LEVEL * (size_t)(end - first), first, end, check_between_row};
     return check_table(check, &kind, info, values, count);
+}
+
+size_t btfi_table_head(const float *values) {
+    return 4 + (size_t)values[0] + (size_t)values[1];
 }
 
 btf_between_errors btfi_between_errors_of(const float *values, size_t count) {

@@ -56,11 +56,11 @@ void btfi_find_growth(const btfi_error_table *t, const float *row, const float *
 /* The error of a scene in a level by a row of the table of errors between the samples; false where it says nothing. */
 static bool find_row_between(const btf_material *material, const btf_scene *scene, uint32_t level,
                              uint32_t left_out, double mse[2]) {
-    enum { NEXT_LEVEL = 16 };
     const btf_between_errors b = btf_material_between_errors(material);
     double view[BTF_MAX_BANDS], light[BTF_MAX_BANDS], sum[2] = {0, 0}, weight = 0;
     uint32_t r = 0;
-    while (r < b.row_count && b.rows[(size_t)r * b.row_stride] != (float)(left_out + NEXT_LEVEL * level)) {
+    while (r < b.row_count &&
+           b.rows[(size_t)r * b.row_stride] != (float)(left_out + BTF_BETWEEN_NEXT_LEVEL * level)) {
         r++;
     }
     if (r == b.row_count) {

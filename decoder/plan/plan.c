@@ -248,6 +248,24 @@ btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, 
     return BTF_OK;
 }
 
+btf_result btf_plan_worth(const btf_material *material, const btf_plan *plan, btf_effect effect,
+                          float *out_linear, float *out_srgb) {
+    btfi_error_table t;
+    double growth[2] = {0, 0};
+    *out_linear = *out_srgb = 0;
+    if (!(material->info.effects & BETWEEN & effect)) {
+        return BTF_ERROR_UNSUPPORTED;
+    }
+    btfi_error_table_open(material, &plan->scene, &t);
+    if (!(idle_effects(material, &plan->scene, plan->level) & effect) &&
+        !btfi_find_without(material, &plan->scene, &t, plan->level, effect, growth)) {
+        return BTF_ERROR_UNSUPPORTED;
+    }
+    *out_linear = (float)(10 * log10(1 + growth[0]));
+    *out_srgb = (float)(10 * log10(1 + growth[1]));
+    return BTF_OK;
+}
+
 static bool is_legal(const btf_scene *scene, float tolerance) {
     return is_within_limit(tolerance) && is_within_limit(scene->pixels) && scene->folded_pixels >= 0 &&
            !isinf(scene->folded_pixels) && btfi_range_is_legal(&scene->view) &&

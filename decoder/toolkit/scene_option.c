@@ -137,11 +137,10 @@ const char *scene_plan_reason(const btf_material *material, const btf_plan *plan
         return text;
     }
     if (bit & BETWEEN_EFFECTS) {
-        double gain[2];
-        const bool known = between_gain(material, bit, gain);
+        const bool known = btf_plan_worth(material, plan, (btf_effect)bit, &linear, &srgb) == BTF_OK;
         snprintf(text, size,
                  known ? "%s, worth %+.1f/%+.1f dB between the samples" : "%s, acts between the samples",
-                 on ? "on" : "off", gain[0], gain[1]);
+                 on ? "on" : "off", (double)linear, (double)srgb);
         return text;
     }
     const uint32_t components = !residual ? plan->components : on ? 0 : info.components;
@@ -208,16 +207,10 @@ static void print_left_out(FILE *out, const char *text, const btf_material *mate
     }
 }
 
-/* Of dB that are lost where samples are left out, what the plan takes to be lost between them: half of the growth of the
- * error (openbtf/plan.h). */
-static double half_growth(double decibels) {
-    return 10 * log10(1 + (pow(10, decibels / 10) - 1) / 2);
-}
-
 /* How a fixed light is folded, or why not. */
 static void print_fold(FILE *out, const char *indent, const btf_material *material, const btf_plan *plan) {
     btf_material_info info = {.struct_size = sizeof info};
-    double gain[2];
+    float linear, srgb;
     btf_material_get_info(material, &info);
     const bool light_alone = !plan->scene.view.fixed, glossy = info.effects & BTF_EFFECT_GLOSS;
     if (plan->fold != BTF_FOLD_NONE) {
@@ -237,11 +230,11 @@ static void print_fold(FILE *out, const char *indent, const btf_material *materi
                 plan->scene.folded_pixels);
     } else if (info.colour != BTF_COLOUR_NONE) {
         fprintf(out, "the SBRDF depends on the view\n");
-    } else if (between_gain(material, BTF_EFFECT_GLOSS, gain)) {
+    } else if (btf_plan_worth(material, plan, BTF_EFFECT_GLOSS, &linear, &srgb) == BTF_OK) {
         fprintf(out,
                 "with gloss lights depend on the view; without it about %.2f/%.2f dB are lost between the "
                 "samples\n",
-                half_growth(gain[0]), half_growth(gain[1]));
+                (double)linear, (double)srgb);
     } else {
         fprintf(out,
                 "with gloss lights depend on the view, and the file does not say what gloss is worth\n");

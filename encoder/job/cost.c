@@ -17,6 +17,7 @@
 #include "encoder/nodes/rows.h"
 #include "encoder/paper/choose_effects.h"
 #include "encoder/relief/relief.h"
+#include "encoder/report/effect_errors.h"
 #include "encoder/report/leave_one_out.h"
 #include "foresee.h"
 #include "memory.h"
@@ -25,7 +26,7 @@
 #include <openbtf/material.h>
 #include <string.h>
 
-enum { EFFECT_ERROR_SAMPLES = 3000000, REPORTED_EFFECTS = 5 };
+enum { REPORTED_EFFECTS = 5 };
 
 /* Core seconds of one inner step on the machine that predict.c describes, where encodes of 32x32 and 64x64 texels
  * by both methods took what the model says within a fifth; which data each constant was fitted to is not recorded,
@@ -258,6 +259,17 @@ static double left_out_texels(double texels, int levels) {
     return sum;
 }
 
+/* Evaluations of all levels for the table of effect errors: a coarser one has as many as level 0, up to its own limit. One of
+ * fewer than four texels has fewer, since a texel is shown by at most 16 pairs of directions in a pair of bands. */
+static double effect_evaluations(const counts *c, int levels) {
+    double sum = 0;
+    for (int level = 0; level < levels; level++) {
+        const double texels = fmax(c->texels * pow(0.25, level), 1);
+        sum += fmin(c->samples / 6, ENC_EFFECT_EVALUATIONS(level)) * fmin(texels / 4, 1);
+    }
+    return sum;
+}
+
 static int levels_of(const enc_job *job, const enc_extent *e) {
     const int most = enc_level_count(e->width, e->height);
     return job->levels > 0 && job->levels < most ? job->levels : most;
@@ -291,8 +303,9 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
     add(&l, ENC_STAGE_PACK, c.points * per_packed);
     add(&l, "measure", c.samples * (steps * sample + per_ssim));
     add(&l, "effect errors",
-        fmin(c.samples / 6, EFFECT_ERROR_SAMPLES) *
-            (found.factors ? per_factor_evaluation : per_evaluation * (1 + 0.02 * found.components)));
+        effect_evaluations(&c, levels) *
+                (found.factors ? per_factor_evaluation : per_evaluation * (1 + 0.02 * found.components)) +
+            further(levels) * c.samples * (per_filtered + fetch));
     const int levels_left_out = paper ? 1 : levels; /* of files of version 2, which the paper's method does not make */
     add(&l, "leave one out",
         left_out_texels(c.texels, levels_left_out) *

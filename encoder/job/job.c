@@ -172,7 +172,7 @@ static btf_result analyse_levels(const enc_context *context, const enc_job *job,
                           s->between.nodes.views ? &s->between.nodes : NULL, &s->found, &s->found_levels);
 }
 
-/* The table of errors between the samples: the numbers of the attribute openbtf.betweenErrors. */
+/* The table of errors between the samples: the numbers of btf_material_desc.between_errors. */
 typedef struct between_table {
     float *numbers;
     size_t count;

@@ -14,17 +14,18 @@
 #include "metrics.h"
 #include "report.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-    MOST_VARIANTS = (32 + 3) * 5, /* subsets of effects, kinds */
+    MOST_SETS = 32 + 3 + 1,        /* of effects: see make_variants */
+    MOST_VARIANTS = MOST_SETS * 5, /* kinds */
     MOST_TEXELS = 512,
     MOST_PAIRS = 16,
     LEAST_EVALUATIONS = 200000,
     CELL_SAMPLES = 2048,
-    MOST_EVALUATIONS = 3000000,
     MOST_OF_FULL = 300000,
     MOST_ROWS = 4096, /* of a table (FORMAT.md) */
     ROW_HEAD = 5
@@ -36,6 +37,8 @@ enum {
 typedef enum kind { INTERPOLATED, NEAREST, AT_SAMPLES, VIEW_AT_SAMPLE, LIGHT_AT_SAMPLE, KINDS } kind;
 
 enum { MOST_COUNTS = 16 };
+
+_Static_assert(MOST_VARIANTS == MOST_SETS * KINDS, "a variant for each kind");
 
 /* Variants of decoding that one evaluation gives: a subset of effects, a kind of directions, and falling
  * numbers of components. */
@@ -82,6 +85,7 @@ static uint32_t effective(const btf_material_info *info, uint32_t effects) {
 
 static void add_way(job *j, const btf_material_info *info, uint32_t effects, const uint32_t *components,
                     size_t count) {
+    assert(j->n_variants + KINDS <= MOST_VARIANTS);
     for (int kind = INTERPOLATED; kind < KINDS; kind++) {
         const int interpolation = kind == NEAREST || kind == AT_SAMPLES ? BTF_REF_NEAREST : BTF_REF_LINEAR;
         variant *v = &j->variants[j->n_variants++];
@@ -101,7 +105,8 @@ static void add_way(job *j, const btf_material_info *info, uint32_t effects, con
 /* All subsets of the effects present, with relief and gloss, for the data that errors are measured against,
  * interpolated between the samples, know nothing of the two, so that each would seem to harm: what they are
  * worth the table of errors between the samples tells (leave_one_out.h). Without either, all else is measured
- * once, which says what leaving it out changes against these data. Of factors every
+ * once, which says what leaving it out changes against these data: three sets beside the 32 of the other effects, and the
+ * empty one. Of factors every
  * number of units, where there are 16 at most: one evaluation gives them all. Of components, and of more units, all,
  * seven eighths, three quarters, a half, ... an eighth, and the fewest two, in whole groups of four. */
 static void make_variants(job *j, const btf_material_info *info) {
@@ -412,7 +417,7 @@ static btf_result measure_level(void *user, int level, const enc_data *data) {
     btf_result result = enc_evaluator_create(j->context, j->packed, (uint32_t)level, &j->evaluator);
     result = enc_ranks_agree(j->context, result);
     if (result == BTF_OK) {
-        choose_samples(j, level > 0 ? MOST_EVALUATIONS / 2 : MOST_EVALUATIONS);
+        choose_samples(j, ENC_EFFECT_EVALUATIONS(level));
         result = measure_means(j, &mean);
     }
     if (result == BTF_OK) {

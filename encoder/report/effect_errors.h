@@ -19,6 +19,9 @@ typedef struct enc_effect_tables {
 } enc_effect_tables;
 void enc_effect_tables_clear(enc_effect_tables *tables);
 
+/* The most evaluations of a level, but for those of the variants that decode everything. */
+#define ENC_EFFECT_EVALUATIONS(level) ((level) == 0 ? 3000000 : 1500000)
+
 /* Decodes the packed material by the reference at directions spread over each pair of bands and compares with the
  * data, interpolated in radiance between the same three views and three lights. At most 2048 samples a pair of
  * bands, of at most 512 texels; in all at most 3,000,000 evaluations or half as many as the data have samples (but

@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SUMS = 8, WITHOUT_RELIEF = 4, WITHOUT_GLOSS = 8, NEXT_LEVEL = 16 /* in the numbers of rows */ };
+enum { SUMS = 8, WITHOUT_RELIEF = 4, WITHOUT_GLOSS = 8 /* in the numbers of rows */ };
 
 /* The directions of a band that are drawn from: those that can be left out, or where there are none, all.
  */
@@ -383,7 +383,7 @@ size_t enc_leave_one_out_numbers(const enc_leave_one_out *measured, int level, f
         if (left == 0 || error_of_row(e, row)->count == 0) {
             continue;
         }
-        *out++ = (float)(row + NEXT_LEVEL * level);
+        *out++ = (float)(row + BTF_BETWEEN_NEXT_LEVEL * level);
         out = write_error(&e->data, write_error(error_of_row(e, row), out));
         for (int cell = 0; cell < cells; cell++) {
             out = write_error(error_of_row(&measured->band_error[left][cell], row), out);

@@ -150,6 +150,26 @@ static void write_tables(void) {
     random_material_free(&desc);
 }
 
+/* One with tables of errors between the samples of two levels, which a file keeps apart. */
+static void write_level_tables(void) {
+    /* clang-format off */
+    static const float between[] = {1, 1, 0, 75, 0, 75,
+                                    3, 0.1f, 0.2f, 0.3f, 0.4f, 0.01f, 0.02f,
+                                    16 + 3, 0.1f, 0.2f, 0.3f, 0.4f, 0.03f, 0.04f,
+                                    16 + 11, 0.1f, 0.2f, 0.3f, 0.4f, -1, -1};
+    /* clang-format on */
+    random_state r = {9};
+    btf_material_desc desc =
+        random_material_desc(2, 2, 3, 2, BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW | BTF_EFFECT_GLOSS);
+    desc.info.lobes = 1;
+    desc.info.levels = 2;
+    desc.between_errors = between;
+    desc.between_error_count = sizeof between / sizeof *between;
+    random_material_fill(&r, &desc);
+    write_material_file("tables-levels", &desc);
+    random_material_free(&desc);
+}
+
 static void write_materials(void) {
     const uint32_t all = BTF_EFFECT_VERSION_1,
                    paper = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
@@ -158,6 +178,7 @@ static void write_materials(void) {
     write_material("residual", BTF_LAYOUT_TIGHT, BTF_COLOUR_NONE, BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT,
                    false);
     write_tables();
+    write_level_tables();
     write_version_2("factors", BTF_LAYOUT_TIGHT, 0, true, 0, 0);
     write_version_2("factors-all", BTF_LAYOUT_PAPER, all, true, 0, 0);
     write_version_2("points", BTF_LAYOUT_TIGHT, BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN, true, 0, 0);

@@ -144,7 +144,7 @@ CHANGES = [
     ("what nobody knows the worth of left out", "plan_between", [
         ("decoder/plan/plan.c", "if (!l->known || (l->effects", "if ((l->effects")]),
     ("a coarser level planned by what level 0 loses", "plan_between", [
-        ("decoder/plan/growth.c", "(float)(left_out + NEXT_LEVEL * level)", "(float)left_out")]),
+        ("decoder/plan/growth.c", "(float)(left_out + BTF_BETWEEN_NEXT_LEVEL * level)", "(float)left_out")]),
     ("errors without gloss foretold as with it", "plan_between", [
         ("decoder/plan/plan.c", "mse[i] + without.mse[i] - full->mse[i]", "mse[i]")]),
     ("rows of the table of errors lost for one another", "plan", [
@@ -153,6 +153,16 @@ CHANGES = [
         ("encoder/report/leave_one_out.c", "enc_evaluator_create(j->context, j->packed, (uint32_t)level,", "enc_evaluator_create(j->context, j->packed, 0 * (uint32_t)level,")]),
     ("more rows of errors measured than a table has", "effect_errors", [
         ("encoder/report/effect_errors.c", "info->levels < most ? info->levels : most", "info->levels < most ? info->levels : info->levels")]),
+    ("rows of coarser levels where readers from before refuse them", "effect_errors", [
+        ("decoder/exr_write.c", "if ((row[0] >= BTF_BETWEEN_NEXT_LEVEL) == coarser) {", "if (!coarser) {")]),
+    ("rows of coarser levels accepted there", "effect_errors", [
+        ("decoder/checks/effect_errors.c", "where == BTFI_BETWEEN_OF_LEVEL_0 ? 1 : levels", "where == BTFI_BETWEEN_OF_LEVEL_0 ? levels : levels")]),
+    ("tables of different bands joined", "effect_errors", [
+        ("decoder/header.c", "if (of_levels[i] != values[i]) {", "if (i < 2 && of_levels[i] != values[i]) {")]),
+    ("room for fewer sets of effects than there are", "effect_errors", [
+        ("encoder/report/effect_errors.c", "32 + 3 + 1,", "32 + 3,")]),
+    ("what an effect is worth told of level 0", "plan_between", [
+        ("decoder/plan/plan.c", "&plan->scene, &t, plan->level, effect, growth)", "&plan->scene, &t, 0 * plan->level, effect, growth)")]),
     ("between errors of levels in files of version 1", "effect_errors", [
         ("decoder/checks/effect_errors.c", "btfi_version(info) < 2 ? 1 : info->levels", "info->levels")]),
     ("parameters beyond 2^24 read", "decoder_bits", [

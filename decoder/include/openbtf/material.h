@@ -52,6 +52,8 @@ extern "C" {
 #define BTF_MAX_LEVELS 15
 /** The most bands of view or light elevation in a table of errors. */
 #define BTF_MAX_BANDS 16
+/** What the first number of a row of btf_between_errors grows by from a level of detail to the next coarser one. */
+#define BTF_BETWEEN_NEXT_LEVEL 16
 
 /** The gainScale that the encoder writes: a gain code g of 1..255 means the gain g * 2^-7. */
 #define BTF_GAIN_SCALE 0.0078125f
@@ -257,14 +259,16 @@ typedef struct btf_effect_errors {
     const float *rows;                       /**< [row_count][row_stride] */
 } btf_effect_errors;
 
-/** The encoder's estimate of the error between the samples (FORMAT.md section 7, openbtf.betweenErrors): samples are
- * left out and predicted from their neighbours by the decoder. Neighbours are then twice as far away as for a
- * direction between samples, so that the estimate overstates the error. All 0 and NULL when the material has none.
+/** The encoder's estimate of the error between the samples (FORMAT.md section 7, openbtf.betweenErrors, and of coarser
+ * levels openbtf.levelBetweenErrors; here the rows of both stand in one table): samples are left out and predicted from
+ * their neighbours by the decoder. Neighbours are then twice as far away as for a direction between samples, so that the
+ * estimate overstates the error. All 0 and NULL when the material has none.
  *
  * A row has 5 + 2 * view_bands * light_bands numbers:
  *
  *  - what is left out: 1 the view, 2 the light, 3 both; 5 and 7 are 1 and 3 decoded without BTF_EFFECT_RELIEF, 9 and 11
- *    without BTF_EFFECT_GLOSS, in a material that has it; of level of detail n in a material of version 2, 16 * n more;
+ *    without BTF_EFFECT_GLOSS, in a material that has it; of level of detail n in a material of version 2,
+ *    n * BTF_BETWEEN_NEXT_LEVEL more;
  *  - two mean squared errors of the material: linear, and sRGB-coded;
  *  - the same two of the data themselves, interpolated by the same weights;
  *  - then, [view band][light band], the same two of the material, -1 where nothing can be left out.
@@ -364,10 +368,12 @@ typedef struct btf_material_desc {
     const void *level_texture[BTF_MAX_LEVELS][BTF_TEXTURE_COUNT];
     const btf_level_error *level_errors; /**< [level_error_count], by rising level; NULL: none */
     size_t level_error_count;            /**< rows of level_errors */
-    const float *effect_errors;  /**< as the attribute openbtf.effectErrors holds them; NULL: none */
-    size_t effect_error_count;   /**< floats */
-    const float *between_errors; /**< as the attribute openbtf.betweenErrors holds them; NULL: none */
-    size_t between_error_count;  /**< floats */
+    const float *effect_errors; /**< as the attribute openbtf.effectErrors holds them; NULL: none */
+    size_t effect_error_count;  /**< floats */
+    /** Bands, limits and rows as the attribute openbtf.betweenErrors holds them, followed by the rows of coarser levels
+     * (btf_between_errors), which a file keeps in openbtf.levelBetweenErrors; NULL: none. */
+    const float *between_errors;
+    size_t between_error_count; /**< floats */
     /** A picture for viewers of EXR files, which no decoder reads: halves, [height][width][4], linear Rec. 709 RGB
      * and a 0; NULL: none. Only in materials that need version 2. */
     const uint16_t *preview;

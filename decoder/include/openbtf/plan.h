@@ -106,14 +106,16 @@ typedef struct btf_plan {
  *    is too little where relief moves texels.
  *  - Relief and gloss are left out where they change nothing: where the view is fixed and a sample, and relief at levels
  *    where it has ended (btf_material_info.relief_end). Elsewhere the interpolated data cannot tell what they are worth:
- *    without one of them the error grows by half of what btf_between_errors say of the level (rows 3 and 7, 3 and 11),
- *    which is at double the gap; without both by the sum. Files without these rows keep both.
+ *    without one of them the error grows by half of what btf_between_errors say of the level (of relief rows 3 and 7, under a
+ *    light that is a sample 1 and 5; of gloss 3 and 11), which is at double the gap; without both by the sum. Files without
+ *    these rows keep both. btf_plan_worth says what each counts.
  *  - The level is the coarsest whose texels are not larger than a pixel; the filter is bilinear where a texel is larger
  *    than a pixel and a half.
  *  - A plan that can be folded counts by its folded cost where the scene makes the fold; the bytes of the fold are not
  *    weighed. Gloss keeps a fixed light under a view that is not fixed from being folded.
  *
- * PSNR against the data is predicted without relief or gloss where the file has a row of that.
+ * psnr_linear and psnr_srgb, against the data, are those without relief or gloss where the file has a row of effect errors
+ * of that. Where it has none and a plan leaves either out, they ignore that: they are of the way with them.
  * Allocates no memory. Errors: BTF_ERROR_USAGE (a range that holds no direction, a negative or infinite number). */
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene, float tolerance,
                             btf_plan *out_plan);
@@ -125,6 +127,13 @@ btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene
  * neither; both are 0). */
 btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, uint32_t effects,
                             uint32_t components, float *out_linear, float *out_srgb);
+
+/** Sets *out_linear and *out_srgb to the dB by which @p effect, BTF_EFFECT_RELIEF or BTF_EFFECT_GLOSS, lessens the error
+ * between the samples where the scene of a plan looks, at its level: what btf_plan_effects holds against the tolerance to
+ * leave it out. 0 where it changes nothing there: where the view is a sample, and relief where it has ended. Errors:
+ * BTF_ERROR_UNSUPPORTED (the material has no such effect, or the file does not say what it is worth; both are 0). */
+btf_result btf_plan_worth(const btf_material *material, const btf_plan *plan, btf_effect effect,
+                          float *out_linear, float *out_srgb);
 
 /** @return the counts of one evaluation by a shader of these options where @p scene is shown (NULL: anything), with the
  * neighbours that fixed directions really have. A neighbouring view of weight 0 is counted like the others but for the

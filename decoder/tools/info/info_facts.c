@@ -83,8 +83,6 @@ size_t between_bytes(const btf_material *material, uint32_t effect) {
     return effect == BTF_EFFECT_RELIEF ? btf_material_texture(material, BTF_TEXTURE_HEIGHTS).size : 0;
 }
 
-enum { NEXT_LEVEL = 16 };
-
 /* Words and JSON keys of what is left out. */
 static const char *const left_out_names[] = {[1] = "view",
                                              [2] = "light",
@@ -102,15 +100,15 @@ static const char *const left_out_keys[] = {[1] = "view",
                                             [11] = "both_without_gloss"};
 
 int left_out_level(float number) {
-    return (int)number / NEXT_LEVEL;
+    return (int)number / BTF_BETWEEN_NEXT_LEVEL;
 }
 
 const char *left_out_name(float number) {
-    return left_out_names[(int)number % NEXT_LEVEL];
+    return left_out_names[(int)number % BTF_BETWEEN_NEXT_LEVEL];
 }
 
 const char *left_out_key(float number) {
-    return left_out_keys[(int)number % NEXT_LEVEL];
+    return left_out_keys[(int)number % BTF_BETWEEN_NEXT_LEVEL];
 }
 
 double decibels(float mse) {

@@ -92,7 +92,6 @@ static void errors(json *j, const btf_material *material) {
 
 /* The rows of the estimate between the samples, of all view and light elevations, level by level. */
 static void between_errors(json *j, const btf_material *material) {
-    enum { NEXT_LEVEL = 16 };
     static const struct {
         uint32_t bit;
         const char *word;
@@ -102,9 +101,9 @@ static void between_errors(json *j, const btf_material *material) {
     json_array(j, "betweenErrors");
     for (uint32_t i = 0; i < b.row_count; i++) {
         const float *row = b.rows + (size_t)i * b.row_stride;
-        const uint32_t what = (uint32_t)row[0] % NEXT_LEVEL;
+        const uint32_t what = (uint32_t)row[0] % BTF_BETWEEN_NEXT_LEVEL;
         json_object(j, NULL);
-        json_integer(j, "level", (uint32_t)row[0] / NEXT_LEVEL);
+        json_integer(j, "level", (uint32_t)row[0] / BTF_BETWEEN_NEXT_LEVEL);
         json_string(j, "leftOut", left_out[what & 3]);
         json_array(j, "without");
         for (size_t k = 0; k < sizeof without / sizeof without[0]; k++) {

@@ -345,6 +345,47 @@ TEST(wrong_tables_are_refused) {
     }
 }
 
+/* A material of all effects has the most sets that are measured: 32 with relief and gloss, all else without either or both,
+ * and nothing at all; each in five kinds of directions. */
+TEST(all_effects_are_measured) {
+    const enc_context context = {.threads = 1};
+    random_state random = {5};
+    enc_direction directions[3];
+    btf_material_desc desc = random_material_desc(2, 2, 3, 2, BTF_LAYOUT_TIGHT, BTF_EFFECT_ALL);
+    btf_material *material = NULL;
+    enc_data *data = NULL;
+    enc_effect_tables tables;
+    random_material_fill(&random, &desc);
+    for (int i = 0; i < 3; i++) {
+        directions[i] = enc_direction_from_angles(20 * i, 0);
+    }
+    assert_int_equal(enc_data_create(&context, 2, 2, 3, directions, 2, directions, &data), BTF_OK);
+    for (size_t i = 0; i < enc_data_texel_count(data) * enc_data_texel_stride(data); i++) {
+        data->samples[i] = 0.5f;
+    }
+    assert_int_equal(btf_material_create(&desc, NULL, &material), BTF_OK);
+    assert_int_equal(enc_effect_errors(&context, data, material, &tables), BTF_OK);
+    const size_t views = (size_t)tables.errors[0], lights = (size_t)tables.errors[1];
+    const size_t head = 4 + views + lights, length = 5 + 2 * views * lights;
+    const size_t rows = (tables.error_count - head) / length;
+    size_t kinds[5] = {0}, sets = 0;
+    bool seen[BTF_EFFECT_ALL + 1] = {false};
+    for (size_t r = 0; r < rows; r++) {
+        const float *row = tables.errors + head + r * length;
+        sets += !seen[(int)row[0]];
+        seen[(int)row[0]] = true;
+        kinds[(int)row[2]]++;
+    }
+    assert_int_equal(sets, 32 + 3 + 1);
+    for (int k = 0; k < 5; k++) {
+        assert_int_equal(kinds[k], rows / 5);
+    }
+    enc_effect_tables_clear(&tables);
+    enc_data_destroy(&data);
+    btf_material_close(&material);
+    random_material_free(&desc);
+}
+
 /* Rows that leave relief or gloss out are there where the material holds it; those say what it is worth. */
 static void check_rows_without_effects(void) {
     static const uint32_t effects[] = {0, BTF_EFFECT_RELIEF, BTF_EFFECT_GLOSS,
@@ -411,6 +452,81 @@ static void check_rows_of_levels(void) {
     }
 }
 
+/* Opens a file of which byte `at` behind the first `name` is changed to `value`, of `size` bytes. */
+static btf_material *open_changed(const void *file, size_t file_size, const char *name, size_t at,
+                                  const void *value, size_t size, btf_result expected) {
+    uint8_t *bytes = malloc(file_size);
+    btf_material *opened = NULL;
+    memcpy(bytes, file, file_size);
+    uint8_t *found = memmem(bytes, file_size, name, strlen(name) + 1);
+    assert_non_null(found);
+    memcpy(found + at, value, size);
+    assert_int_equal(btf_material_open_memory(bytes, file_size, NULL, &opened), expected);
+    free(bytes);
+    return opened;
+}
+
+static void check_refused(const void *file, size_t size, const char *name, size_t number, float value) {
+    const size_t values = strlen(name) + 1 + sizeof "floatvector" + 4;
+    assert_null(open_changed(file, size, name, values + 4 * number, &value, 4, BTF_ERROR_BAD_FILE));
+}
+
+/* A file keeps the rows of level 0 in the attribute that readers from before coarser levels know, those of coarser levels in
+ * one that they pass over. */
+static void check_attributes_of_levels(void) {
+    static const char name[] = "openbtf.betweenErrors", level_name[] = "openbtf.levelBetweenErrors";
+    static const float mixed[] = {1, 1, 0, 90, 0,    90,   16 + 3,  0, 0, 0, 0, 0.3f, 0.4f, 3,
+                                  0, 0, 0, 0,  0.1f, 0.2f, 16 + 11, 0, 0, 0, 0, 0.5f, 0.6f},
+                       sorted[] = {3, 0,    0,    0,       0, 0.1f, 0.2f, 16 + 3, 0,    0,   0,
+                                   0, 0.3f, 0.4f, 16 + 11, 0, 0,    0,    0,      0.5f, 0.6f};
+    random_state random = {3};
+    btf_material_desc desc =
+        random_material_desc(4, 4, 3, 2, BTF_LAYOUT_TIGHT, BTF_EFFECT_SHADOW | BTF_EFFECT_GLOSS);
+    btf_material *made = NULL, *opened = NULL;
+    void *bytes;
+    size_t size;
+    desc.info.levels = 2;
+    random_material_fill(&random, &desc);
+    desc.between_errors = mixed;
+    desc.between_error_count = sizeof mixed / sizeof *mixed;
+    assert_int_equal(btf_material_create(&desc, NULL, &made), BTF_OK);
+    assert_int_equal(btf_material_save_memory(made, NULL, &bytes, &size), BTF_OK);
+    assert_int_equal(btf_material_open_memory(bytes, size, NULL, &opened), BTF_OK);
+    btf_between_errors e = btf_material_between_errors(opened);
+    assert_true(e.row_count == 3 && e.row_stride == 7 && e.light_limits[1] == 90);
+    assert_memory_equal(e.rows, sorted, sizeof sorted);
+    btf_material_close(&opened);
+
+    opened = open_changed(bytes, size, level_name, 8, "L", 1, BTF_OK); /* as those readers see it */
+    e = btf_material_between_errors(opened);
+    assert_int_equal(e.row_count, 1);
+    assert_memory_equal(e.rows, sorted, 7 * sizeof *sorted);
+    btf_material_close(&opened);
+    opened = open_changed(bytes, size, name, 8, "B", 1, BTF_OK);
+    e = btf_material_between_errors(opened);
+    assert_int_equal(e.row_count, 2);
+    assert_memory_equal(e.rows, sorted + 7, 14 * sizeof *sorted);
+    btf_material_close(&opened);
+    check_refused(bytes, size, name, 6, 16 + 3); /* which they would not open */
+    check_refused(bytes, size, level_name, 6, 3);
+    check_refused(bytes, size, level_name, 13, 32 + 3);
+    check_refused(bytes, size, level_name, 11, -2);
+    check_refused(bytes, size, level_name, 3, 80); /* other bands */
+    btf_free(bytes);
+    btf_material_close(&made);
+    desc.between_error_count = 13; /* no row of level 0 */
+    assert_int_equal(btf_material_create(&desc, NULL, &made), BTF_OK);
+    assert_int_equal(btf_material_save_memory(made, NULL, &bytes, &size), BTF_OK);
+    assert_int_equal(btf_material_open_memory(bytes, size, NULL, &opened), BTF_OK);
+    e = btf_material_between_errors(opened);
+    assert_int_equal(e.row_count, 1);
+    assert_memory_equal(e.rows, mixed + 6, 7 * sizeof *mixed);
+    btf_free(bytes);
+    btf_material_close(&opened);
+    btf_material_close(&made);
+    random_material_free(&desc);
+}
+
 /* The table of errors between the samples: kept by a file, and refused where it cannot be. */
 TEST(between_errors_are_checked) {
     const float good[] = {2,    1,    0,    20, 50,   0,    70,   1,    0.1f, 0.2f, 0.3f, 0.4f, 0.5f,
@@ -444,6 +560,7 @@ TEST(between_errors_are_checked) {
     }
     check_rows_without_effects();
     check_rows_of_levels();
+    check_attributes_of_levels();
     for (size_t count = 1; count < COUNT; count++) {
         made = with_tables(NULL, 0, good, count, count == 7 || count == 16 ? BTF_OK : BTF_ERROR_USAGE);
         btf_material_close(&made);

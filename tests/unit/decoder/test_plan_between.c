@@ -9,10 +9,12 @@
 
 #include <cmocka.h>
 
+#include "decoder/toolkit/scene_option.h"
 #include "tests/support/random_material.h"
 #include <math.h>
 #include <openbtf/plan.h>
 #include <stdbool.h>
+#include <string.h>
 
 enum {
     GLOSS = BTF_EFFECT_GLOSS,
@@ -100,6 +102,71 @@ static void what_is_worth_less_is_left_out(void **state) {
     btf_material_close(&silent);
 }
 
+/* What a plan says that an effect is worth is what its tolerance counts, at its level and for its directions. */
+static void worth_is_what_tolerances_count(void **state) {
+    (void)state;
+    btf_material *material = make(6), *silent = make(1);
+    const struct {
+        float pixels; /* 0.5: level 1 */
+        btf_effect effect;
+        double growth;
+    } cases[] = {{1, BTF_EFFECT_RELIEF, 0.02},
+                 {1, BTF_EFFECT_GLOSS, 0.025},
+                 {0.5f, BTF_EFFECT_RELIEF, 0.25},
+                 {0.5f, BTF_EFFECT_GLOSS, 0.01}};
+    float linear, srgb;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        btf_plan plan = plan_of(material, cases[i].pixels, 0);
+        assert_int_equal(plan.level, cases[i].pixels < 1);
+        assert_int_equal(btf_plan_worth(material, &plan, cases[i].effect, &linear, &srgb), BTF_OK);
+        assert_true(fabs((double)linear - 10 * log10(1 + cases[i].growth)) < 1e-4 && srgb == linear);
+        const float below = linear - 0.002f, above = linear + 0.002f;
+        const uint32_t kept = plan_of(material, cases[i].pixels, below).effects,
+                       left = plan_of(material, cases[i].pixels, above).effects;
+        assert_true(kept & cases[i].effect && !(left == ALL));
+        assert_int_equal(btf_plan_worth(silent, &plan, cases[i].effect, &linear, &srgb),
+                         BTF_ERROR_UNSUPPORTED);
+        assert_true(linear == 0 && srgb == 0);
+        plan.scene.view = (btf_range){.fixed = 1};
+        memcpy(plan.scene.view.direction, btf_material_views(material).xyz,
+               sizeof plan.scene.view.direction);
+        assert_int_equal(btf_plan_worth(material, &plan, cases[i].effect, &linear, &srgb), BTF_OK);
+        assert_true(linear == 0 && srgb == 0); /* a view that is a sample */
+    }
+    const btf_plan plan = plan_of(material, 1, 0);
+    assert_int_equal(btf_plan_worth(material, &plan, BTF_EFFECT_RESIDUAL, &linear, &srgb),
+                     BTF_ERROR_UNSUPPORTED);
+    btf_material_close(&material);
+    btf_material_close(&silent);
+}
+
+/* So say btf-info --plan and btf-view. */
+static void reasons_tell_what_plans_count(void **state) {
+    (void)state;
+    btf_material *material = make(6), *silent = make(1);
+    char text[80];
+    const btf_plan near = plan_of(material, 1, 0), far = plan_of(material, 0.5f, 0),
+                   loose = plan_of(material, 1, 0.5f), unknown = plan_of(silent, 1, 0);
+    const struct {
+        const btf_material *material;
+        const btf_plan *plan;
+        int index;
+        const char *text;
+    } cases[] = {{material, &near, 5, "on, worth +0.1/+0.1 dB between the samples"},
+                 {material, &far, 5, "on, worth +1.0/+1.0 dB between the samples"},
+                 {material, &far, 6, "on, worth +0.0/+0.0 dB between the samples"},
+                 {material, &loose, 6, "off, worth +0.1/+0.1 dB between the samples"},
+                 {silent, &unknown, 6, "on, acts between the samples"}};
+    assert_true(RELIEF == 1 << 5 && GLOSS == 1 << 6);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_string_equal(
+            scene_plan_reason(cases[i].material, cases[i].plan, cases[i].index, text, sizeof text),
+            cases[i].text);
+    }
+    btf_material_close(&material);
+    btf_material_close(&silent);
+}
+
 /* Against interpolated data the error of ways that were not measured changes without gloss as the full decode's does. */
 static void errors_without_gloss_are_foretold(void **state) {
     (void)state;
@@ -140,6 +207,8 @@ int main(void) {
         cmocka_unit_test(what_is_worth_less_is_left_out),
         cmocka_unit_test(errors_without_gloss_are_foretold),
         cmocka_unit_test(levels_have_errors_of_their_own),
+        cmocka_unit_test(worth_is_what_tolerances_count),
+        cmocka_unit_test(reasons_tell_what_plans_count),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
