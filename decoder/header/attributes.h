@@ -13,8 +13,9 @@
 
 #pragma GCC visibility push(hidden)
 
-/* The file that is read. The first error sticks in `result`; from then on the functions below read nothing and
- * return 0 or NULL. */
+/* The file that is read. The first error stays in `result`; from then on the functions below that take an attribute by
+ * its name read nothing: they return NULL or 0, btfi_get_int_or() *absent, and say that there are 0 numbers or bytes.
+ * btfi_copy_integers() and btfi_keep_floats(), which are given their numbers, still copy them. */
 typedef struct btfi_attributes {
     exr_const_context_t context;
     const btf_log *log;

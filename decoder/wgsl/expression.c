@@ -70,7 +70,8 @@ btfi_type btfi_parse_type(btfi_parser *p) {
 /* A node whose type was not found fails. */
 static uint32_t typed(btfi_parser *p, uint32_t node, btfi_type type) {
     if (type.size == 0) {
-        btfi_parse_fail(p, "the translator does not know this operation on these types");
+        btfi_parse_fail_at(p, "the translator does not know this operation on these types",
+                           &p->tree->nodes[node].token);
         return 0;
     }
     btfi_node *nodes = p->tree->nodes;
@@ -112,7 +113,7 @@ static void mark_written(btfi_parser *p, uint32_t node) {
     }
     btfi_symbol *s = root(p->tree, node);
     if (!s || s->is_const || s->is_uniform) {
-        btfi_parse_fail(p, "only a variable can be assigned");
+        btfi_parse_fail_at(p, "only a variable can be assigned", &n->token);
         return;
     }
     s->is_written = 1;
@@ -174,7 +175,8 @@ static uint32_t parse_call(btfi_parser *p, btfi_token name) {
         return typed(p, node, btfi_builtin_type(&name, types, count));
     }
     if (f < 0) {
-        btfi_parse_fail(p, "no function that is defined above has this name and these parameters");
+        btfi_parse_fail_at(p, "no function that is defined above has this name and these parameters",
+                           &name);
         return 0;
     }
     const uint32_t node = btfi_new_node(p, BTFI_NODE_CALL, name);
@@ -269,7 +271,7 @@ static uint32_t parse_primary(btfi_parser *p) {
             return typed(p, node, p->tree->symbols[symbol].type);
         }
     }
-    btfi_parse_fail(p, "the name is not declared");
+    btfi_parse_fail_at(p, "the name is not declared", &t);
     return 0;
 }
 

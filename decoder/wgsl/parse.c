@@ -23,7 +23,7 @@ static void parse_struct(btfi_parser *p, const btfi_token *first) {
     s.name.comment = first->comment;
     s.name.comment_length = first->comment_length;
     if (s.name.kind != BTFI_TOKEN_NAME) {
-        btfi_parse_fail(p, "the struct has no name");
+        btfi_parse_fail_at(p, "the struct has no name", &s.name);
     }
     btfi_check_name(p, &s.name);
     btfi_expect(p, "{");
@@ -64,7 +64,7 @@ static void parse_uniform(btfi_parser *p, uint32_t group, int64_t binding) {
     const uint32_t symbol = btfi_new_symbol(p, name, type);
     btfi_expect(p, ";");
     if (binding < 0) {
-        btfi_parse_fail(p, "the uniform has no binding");
+        btfi_parse_fail_at(p, "the uniform has no binding", &name);
     }
     if (p->result == BTF_OK) {
         btfi_symbol *s = &p->tree->symbols[symbol];
@@ -121,7 +121,7 @@ static void parse_function(btfi_parser *p, const btfi_token *first) {
     f.name.comment_length = first->comment_length;
     f.first = tree->n_symbols;
     if (f.name.kind != BTFI_TOKEN_NAME) {
-        btfi_parse_fail(p, "the function has no name");
+        btfi_parse_fail_at(p, "the function has no name", &f.name);
     }
     btfi_check_name(p, &f.name);
     btfi_expect(p, "(");

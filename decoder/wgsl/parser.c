@@ -8,7 +8,7 @@
 
 enum { DEEPEST = 200 };
 
-static void fail_at(btfi_parser *p, const char *what, const char *where, const btfi_token *t) {
+static void fail(btfi_parser *p, const char *what, const char *where, const btfi_token *t) {
     if (p->result == BTF_OK) {
         p->result = BTF_ERROR_UNSUPPORTED;
         snprintf(p->message, p->message_size, "%s %s \"%.*s\"", what, where,
@@ -18,7 +18,11 @@ static void fail_at(btfi_parser *p, const char *what, const char *where, const b
 }
 
 void btfi_parse_fail(btfi_parser *p, const char *what) {
-    fail_at(p, what, "near", btfi_peek(p));
+    fail(p, what, "near", btfi_peek(p));
+}
+
+void btfi_parse_fail_at(btfi_parser *p, const char *what, const btfi_token *at) {
+    fail(p, what, "at", at);
 }
 
 void btfi_check_name(btfi_parser *p, const btfi_token *name) {
@@ -27,7 +31,7 @@ void btfi_check_name(btfi_parser *p, const btfi_token *name) {
         is_reserved |= name->text[i] == '_' && name->text[i + 1] == '_';
     }
     if (is_reserved && name->kind == BTFI_TOKEN_NAME) {
-        fail_at(p, "the name is reserved (it holds __, or is _ alone)", "at", name);
+        btfi_parse_fail_at(p, "the name is reserved (it holds __, or is _ alone)", name);
     }
 }
 
@@ -85,7 +89,7 @@ uint32_t btfi_new_node(btfi_parser *p, btfi_node_kind kind, btfi_token token) {
 uint32_t btfi_new_symbol(btfi_parser *p, btfi_token name, btfi_type type) {
     btfi_tree *t = p->tree;
     if (p->result == BTF_OK && name.kind != BTFI_TOKEN_NAME) {
-        btfi_parse_fail(p, "a name is expected");
+        btfi_parse_fail_at(p, "a name is expected", &name);
     }
     btfi_check_name(p, &name);
     if (p->result != BTF_OK || t->n_symbols == t->most) {

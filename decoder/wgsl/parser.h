@@ -25,6 +25,9 @@ typedef struct btfi_parser {
 /* Ends parsing with a message, to which the next token is added as the place. */
 void btfi_parse_fail(btfi_parser *p, const char *what);
 
+/* The same with a token that was taken before as the place. */
+void btfi_parse_fail_at(btfi_parser *p, const char *what, const btfi_token *at);
+
 /* Fails on a name that GLSL or WGSL reserves: `_`, and names with __, which the writer gives to names that it
  * makes. Every name that the text declares is checked. */
 void btfi_check_name(btfi_parser *p, const btfi_token *name);
@@ -42,8 +45,8 @@ int btfi_accept(btfi_parser *p, const char *text);
 /* Takes the next token, and fails when it is not this text. */
 void btfi_expect(btfi_parser *p, const char *text);
 
-/* Goes one level deeper; fails, and returns 0, where that is too deep. In both cases the caller goes up by --depth.
- * */
+/* Goes one level deeper; fails, and returns 0, where that is too deep. In both cases the caller goes up by
+ * --depth. */
 int btfi_deeper(btfi_parser *p);
 
 /* A new node; 0 after a failure. */

@@ -34,7 +34,7 @@ static uint32_t parse_declarator(btfi_parser *p, btfi_type type, int is_const) {
     if (btfi_accept(p, "=")) {
         value = btfi_parse_expression(p);
         if (!btfi_types_equal(p->tree->nodes[value].type, type)) {
-            btfi_parse_fail(p, "the first value is of another type than its variable");
+            btfi_parse_fail_at(p, "the first value is of another type than its variable", &name);
         }
     }
     if (p->result != BTF_OK) {

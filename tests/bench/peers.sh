@@ -9,9 +9,10 @@
 #   tests/bench/peers.sh --list     the materials, and the options of btf-sample that make them
 #
 # Prints a table, a row a material; with NAMEs these alone. PSNR is linear / sRGB-coded. All encodes are of --fit samples
-# --effect-tolerance 0 --relief off --gloss off. What ended is kept in DIR (default BUILD/peers): after a stop the same
-# command goes on. Samples of others are looked for in $BTF_SHARED/data (default ../shared/data), and passed over where
-# they are not there. All of it takes hours; no time is measured, so that a busy machine may do.
+# --effect-tolerance 0 --relief off --gloss off. Tools of BUILD are brought up to date first. What ended is kept in
+# DIR/COMMIT (DIR: default BUILD/peers): after a stop the same command goes on while the sources stand at that commit.
+# Samples of others are looked for in $BTF_SHARED/data (default ../shared/data), and passed over where they are not there.
+# All of it takes hours; no time is measured, so that a busy machine may do.
 #
 # SPDX-License-Identifier: MIT
 set -euo pipefail
@@ -88,7 +89,19 @@ v1)
     ;;
 *) usage 1 >&2 ;;
 esac
+. "$root/tests/bench/commit.sh"
+at=$(commit)
+firsts=$work # what version 1 encoded is the same at any commit of these sources
+work=$work/$at
 mkdir -p "$work"
+targets='encoder/btf-encode tests/sample/btf-sample tests/bench/btf-bench'
+[ "$kind" != v1 ] || targets="$targets encoder/btf-compare decoder/tools/btf-info"
+# shellcheck disable=SC2086
+ninja -C "$build" $targets >"$work/ninja.log" || {
+    tail -20 "$work/ninja.log" >&2
+    exit 1
+}
+echo "peers.sh: commit $at" >&2
 
 need() { # makes the sample of this row where a step wants it and it is not there
     if [ ! -e "$data" ]; then
@@ -124,15 +137,16 @@ peer() { # BYTES, "" for the default: "ALLOWED BYTES LINEAR SRGB" of the low-bit
     tail -n 1 "$csv" | awk -F, '{ print $1, $2, $4, $5 }'
 }
 first() { # the same of version 1, decoded by today's btf-compare
-    local file=$work/v1-$name
+    local file=$work/v1-$name made
+    made=$firsts/v1-$name-$(cksum <"$v1" | cut -d' ' -f1)
     [ -s "$file.json" ] || {
         need
-        [ -s "$file.btf.exr" ] || {
-            "$v1" "$data" -o "$file.part.btf.exr" --preset fast -q >&2
-            mv "$file.part.btf.exr" "$file.btf.exr"
+        [ -s "$made.btf.exr" ] || {
+            "$v1" "$data" -o "$made.part.btf.exr" --preset fast -q >&2
+            mv "$made.part.btf.exr" "$made.btf.exr"
         }
-        btf-info --json "$file.btf.exr" >"$file.info"
-        btf-compare "$data" "$file.btf.exr" --no-ssim --json -q >"$file.json.part"
+        btf-info --json "$made.btf.exr" >"$file.info"
+        btf-compare "$data" "$made.btf.exr" --no-ssim --json -q >"$file.json.part"
         mv "$file.json.part" "$file.json"
     }
     python3 - "$file" <<'P'

@@ -69,12 +69,7 @@ for part in "$@"; do
 done
 [ $# -gt 0 ] || set -- $parts
 
-commit() { # of the sources; + where they were changed since, but for what is written here
-    local at
-    at=$(git -C "$root" rev-parse --short HEAD 2>/dev/null) || at=unknown
-    git -C "$root" diff --quiet HEAD -- '*.c' '*.cc' '*.h' '*.glsl' '*.sh' '*.py' '*.js' '*.mjs' '*.css' '*.html' 2>/dev/null || at=$at+$(git -C "$root" diff HEAD -- '*.c' '*.cc' '*.h' '*.glsl' '*.sh' '*.py' '*.js' '*.mjs' '*.css' '*.html' | cksum | cut -d' ' -f1)
-    echo "$at"
-}
+. "$root/tests/bench/commit.sh"
 note() { # NAME: a line of made.txt
     local list=$pictures/made.txt
     grep -v "^$1 " "$list" >"$list.new" || true

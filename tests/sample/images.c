@@ -28,7 +28,7 @@ const char *images_extension(images_format format) {
 btf_result images_make_folder(const enc_context *context, const char *path) {
     char *part = strdup(path);
     if (!part) {
-        return BTF_ERROR_MEMORY;
+        return enc_fail(context, BTF_ERROR_MEMORY, "%s: out of memory", path);
     }
     int failed = 0;
     for (char *at = part + 1; !failed; ++at) {

@@ -378,6 +378,8 @@ CHANGES = [
          "value + camera->noise * normal(camera->seed, number, (int)i)")]),
     ("a name that the translator makes taken from the text in WGSL", "wgsl_translate", [
         ("decoder/wgsl/parser.c", "if (is_reserved && name->kind == BTFI_TOKEN_NAME) {", "if (is_reserved > 1) {")]),
+    ("messages about GLSL that name what follows", "wgsl_translate", [
+        ("decoder/wgsl/parser.c", 'fail(p, what, "at", at);', "(void)at, btfi_parse_fail(p, what);")]),
     ("btf-shader: a folder replaced without --force", "tools_shader", [
         ("decoder/tools/shader/folder.c", "if (!empty && !replace) {", "if (stranger[0] && !replace) {")]),
     ("btf-shader: the folder of a live run taken for a dead one's", "tools_shader", [

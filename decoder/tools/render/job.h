@@ -33,7 +33,7 @@ typedef struct job {
     plan_range *seen; /* [frame] */
     btf_plan plan;
     btf_cost_model costs; /* with --costs */
-    int planned_end;      /* the frame that it is not for any more */
+    int planned_end;      /* the first frame after those that `plan` is for */
 } job;
 
 /* Draws the scene as it stands and writes the picture; with --stats prints times. Errors, told by btf-render: those

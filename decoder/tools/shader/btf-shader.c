@@ -92,7 +92,11 @@ static const cli_option option_table[] = {
      .type = CLI_FLAG,
      .value = &options.force,
      .help = "replace DIR, if btf-shader wrote all that is in it"},
-    {QUIET_OPTION, .value = &options.quiet},
+    {.short_name = 'q',
+     .name = "quiet",
+     .type = CLI_FLAG,
+     .value = &options.quiet,
+     .help = "no summary, no information; warnings stay"},
     {.type = CLI_END},
 };
 

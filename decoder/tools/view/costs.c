@@ -12,8 +12,8 @@ void costs_clear(costs *c) {
     memset(c, 0, sizeof *c);
 }
 
-/* Keeps a mean in which the newest frame counts three tenths, so that one slow frame does not move the panel much.
- * */
+/* Keeps a mean in which the newest frame counts three tenths, so that one slow frame does not move the panel
+ * much. */
 void costs_record(costs *c, uint32_t effects, double ms) {
     double *at = &c->ms[effects & BTF_EFFECT_ALL];
     *at = *at > 0 ? 0.7 * *at + 0.3 * ms : ms;

@@ -181,8 +181,8 @@ void btf_ref_fold_add(size_t texels, const float *values, const float weight[3],
 
 /** Sets the same rows of the values that texels show in neighbour @p neighbour (0 to 2) of the three that
  * btf_ref_lookup() gives for @p view (of the nearest, 0): its value under @p light as it is before views are
- * weighted, with gloss under the lights that it has when seen from @p view; 0 where the neighbour weighs nothing.
- * */
+ * weighted, with gloss under the lights that it has when seen from @p view; 0 where the neighbour weighs
+ * nothing. */
 void btf_ref_fold_neighbour(const btf_ref_material *material, const btf_ref_options *options,
                             const float light[3], const float view[3], uint32_t neighbour, uint32_t first_row,
                             uint32_t rows, float *out_values);

@@ -151,14 +151,17 @@ TEST(constructs_are_translated) {
 
 TEST(other_glsl_is_refused) {
     static const char *const wrong[][2] = {
-        {"float f(float x) { return sin(x); }", "no function that is defined above"},
-        {"float f(float x) { return x + 1; }", "this operation on these types"},
-        {"int f(int a) { return b; }", "the name is not declared"},
-        {"int f(int a) { return a ? 1 : 2; }", "this operation on these types"},
-        {"vec3 f(vec3 a) { return vec3(a.xy); }", "this operation on these types"},
-        {"int f(ivec2 a) { return a.z; }", "this operation on these types"},
+        /* What is wrong is named, not what follows it. */
+        {"float f(float x) { return foo(x, 1.0, x) + 2.0; }",
+         "no function that is defined above has this name and these parameters at \"foo\""},
+        {"float f(float x) { return x + 1; }", "this operation on these types at \"+\""},
+        {"int f(int a) { return b; }", "the name is not declared at \"b\""},
+        {"int f(int a) { return a ? 1 : 2; }", "this operation on these types at \"?\""},
+        {"vec3 f(vec3 a) { return vec3(a.xy); }", "this operation on these types at \"vec3\""},
+        {"int f(ivec2 a) { return a.z; }", "this operation on these types at \"z\""},
+        {"int f(int a) { int b = 1.0; return b; }", "of another type than its variable at \"b\""},
         {"mat3 f(vec3 a) { return a; }", "a struct, a uniform or a function is expected"},
-        {"uniform sampler2D t;", "the uniform has no binding"},
+        {"uniform sampler2D t;", "the uniform has no binding at \"t\""},
         {"layout(location = 1) uniform int t;", "layout takes set and binding alone"},
         {"precise float f(float a) { return a; }", "a struct, a uniform or a function is expected"},
         {"int f(int a) { return a", "\";\" is expected"},
@@ -221,8 +224,8 @@ TEST(other_glsl_is_refused) {
         {"int f(int a) { return !a; }", "this operation on these types"},
         {"struct s { int a; }; s f(s a) { return -a; }", "this operation on these types"},
         {"bool f(bool a) { ++a; return a; }", "this operation on these types"},
-        {"struct 5 { int a; };", "the struct has no name"},
-        {"void +() {}", "the function has no name"},
+        {"struct 5 { int a; };", "the struct has no name at \"5\""},
+        {"void +() {}", "the function has no name at \"+\""},
         {"float f(x) { return 1.0; }", "the parameter has no known type"},
         {"layout(binding = 1) uniform mat3 m;", "the uniform has no known type"},
         {"float f() { return 1.2.3; }", "the number is malformed"},
@@ -231,7 +234,8 @@ TEST(other_glsl_is_refused) {
         {"int f() { return 010; }", "the number is malformed"},
         {"void f(vec3 a) { a.xyz.xy = a.xy; }", "components of components"},
         {"void f(float[3] a[4]) {}", "arrays of arrays"},
-        {"int f(int a) { const int b = 1; b = 2; return b; }", "only a variable can be assigned"},
+        {"int f(int a) { const int b = 1; b = 2; return b; }", "only a variable can be assigned at \"b\""},
+        {"int f(int 5) { return 1; }", "a name is expected at \"5\""},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         char *text = (char *)wrong;
