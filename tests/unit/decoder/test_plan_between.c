@@ -2,17 +2,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "tests/support/random_material.h"
-#include <math.h>
+#include "tests/support/test.h"
 #include <openbtf/plan.h>
-#include <stdbool.h>
 
 enum {
     GLOSS = BTF_EFFECT_GLOSS,
@@ -74,8 +66,7 @@ static btf_plan plan_of(const btf_material *material, float pixels, float tolera
 }
 
 /* Half of the growth that the table tells of each, which add up: 0.02 without relief, 0.025 without gloss. */
-static void what_is_worth_less_is_left_out(void **state) {
-    (void)state;
+TEST(what_is_worth_less_is_left_out) {
     btf_material *material = make(6), *silent = make(1);
     const struct {
         float tolerance;
@@ -101,8 +92,7 @@ static void what_is_worth_less_is_left_out(void **state) {
 }
 
 /* Against interpolated data the error of ways that were not measured changes without gloss as the full decode's does. */
-static void errors_without_gloss_are_foretold(void **state) {
-    (void)state;
+TEST(errors_without_gloss_are_foretold) {
     btf_material *material = make(6);
     const btf_plan plan = plan_of(material, 1, 0);
     float linear, srgb;
@@ -118,8 +108,7 @@ static void errors_without_gloss_are_foretold(void **state) {
 
 /* At a coarser level the tolerance is a share of what that level loses between the samples: 0.0009 more beside 0.01, half of
  * 0.02, and 0.01 of these without gloss. Where the file does not tell, of its error against the data. */
-static void levels_have_errors_of_their_own(void **state) {
-    (void)state;
+TEST(levels_have_errors_of_their_own) {
     btf_material *material = make(6), *silent = make(3);
     btf_plan plan = plan_of(material, 0.5f, 0.5f);
     assert_true(plan.level == 1 && plan.components == 4);
@@ -135,11 +124,4 @@ static void levels_have_errors_of_their_own(void **state) {
     btf_material_close(&silent);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_worth_less_is_left_out),
-        cmocka_unit_test(errors_without_gloss_are_foretold),
-        cmocka_unit_test(levels_have_errors_of_their_own),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)
