@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Makes decoder/API.md from the public headers, and holds them to it: every public function, type, member, constant and
-macro has a comment, every symbol that a library exports is in a header, and the page is that of the headers.
+macro has a comment, every symbol that a library exports is in a header, and the page is that of the headers and shows
+no mark of Doxygen.
 
     api.py SOURCE_ROOT [LIBRARY...]    prints what is wrong, a line each; exit code 1 when there is anything
     api.py SOURCE_ROOT --write         writes decoder/API.md
     api.py SOURCE_ROOT --self-test     breaks each rule in a copy, and fails where that goes unnoticed
 
-Comments are those that Doxygen knows: /** before a declaration, /**< behind a member; @return and @p. An enum without a
-name needs one comment for all its constants.
+Comments are those that Doxygen knows: /** before a declaration, /**< behind a member; @return and @p, whose name stands
+on the same line. An enum without a name needs one comment for all its constants.
 
 SPDX-License-Identifier: MIT
 """
@@ -135,10 +136,6 @@ def marked(text, names, here):
             out.append(line)
             continue
         code = code and not line
-        for odd in '\\*<':
-            if not (odd == '*' and '`' in line):
-                line = line.replace(odd, '\\' + odd)
-        line = re.sub(r'^( *)\\\*', r'\1*', line)
 
         def name(match):
             if match[0] in names and match[0] not in linked:
@@ -146,9 +143,13 @@ def marked(text, names, here):
                 return f'[`{match[0]}`](#{match[0].lower()})'
             return f'`{match[0]}`'
 
-        line = re.sub(r'(?<![\w`])(?:\\\*)?((?:btf|BTF)_\w+|out_\w+)(?:\(\))?(?![\w`])',
-                      lambda m: name(re.match(r'\w+', m[1])), line)
-        out.append(line)
+        pieces = re.split('(`[^`]*`)', line)
+        for i in range(0, len(pieces), 2): # outside of code
+            piece = re.sub(r'[\\*<]', r'\\\g<0>', pieces[i])
+            piece = re.sub(r'(?<!\w)\\(\*out_\w+)', r'`\1`', piece) # what the pointer points to
+            pieces[i] = re.sub(r'(?<![\w`*])((?:btf|BTF)_\w+|out_\w+)(?:\(\))?(?![\w`])',
+                               lambda m: name(re.match(r'\w+', m[1])), piece)
+        out.append(re.sub(r'^( *)\\\*', r'\1*', ''.join(pieces)))
     return '\n'.join(out)
 
 
@@ -204,7 +205,10 @@ def complaints(root, libraries=()):
             shown = file.read()
     except FileNotFoundError:
         shown = ''
-    if shown != page(root):
+    made = page(root)
+    found += [f'{PAGE}:{number}: shows {mark}: a mark that is unknown, or whose name is on the next line of the header'
+              for number, line in enumerate(made.split('\n'), 1) for mark in re.findall(r'@\w+', re.sub('`[^`]*`', '', line))]
+    if shown != made:
         found.append(f'{PAGE}: is not that of the headers: run tests/api.py . --write')
     return found
 
@@ -221,6 +225,8 @@ def self_test(root):
               ('a function of the reference without a comment', reference, 'float btf_ref_half(',
                'int btf_ref_other(void);\nfloat btf_ref_half('),
               ('another text', material, '/** The most levels of detail. */', '/** The most levels. */'),
+              ('a name on the line after its mark', reference, '@p light: ', '@p\n * light: '),
+              ('a mark that is unknown', reference, '@p light: ', '@a light: '),
               ('another page', PAGE, '# The API', '# An API')]
     unnoticed = 0
     for what, path, old, new in breaks:

@@ -10,6 +10,7 @@ The rules:
   - The files of a room do not include one another in a circle; a header and the source of its name count as one.
   - What a header declares is defined in the source of its name.
   - Every C file and header is in a room, and no folder has more than 40 files.
+  - A file of tests (TEST of tests/support/test.h) runs them: each file has a list of its own.
 
 SPDX-License-Identifier: MIT
 """
@@ -213,6 +214,13 @@ def unnamed(path, texts):
         yield f'{path}: {", ".join(missing)}: not defined in {os.path.basename(stem)}.c'
 
 
+def unrun(path, text):
+    """Complaints of a file whose tests nobody runs."""
+    test = re.search(r'^(?:[A-Z]+_)?TEST(?:_WITH|_OF_NUMBERS)?\((\w+)', text, flags=re.M)
+    if test and not re.search(r'^RUN_TESTS\(|\brun_listed\(', text, flags=re.M):
+        yield f'{path}: has the test {test[1]}, and neither RUN_TESTS nor run_listed'
+
+
 def complaints(root):
     files = sources(root)
     in_house = [f for f in files if f.endswith(CODE)]
@@ -239,6 +247,8 @@ def complaints(root):
                 at[node, os.path.splitext(target)[0]] = f'{path}:{line} includes {target}'
         if path.endswith('.h'):
             found += unnamed(path, texts)
+        else:
+            found += unrun(path, texts[path])
     for circle in circles(edges):
         found += [f'{at[a, b]}: a circle of {", ".join(circle)}' for a in circle for b in circle if (a, b) in at]
     return found
@@ -261,6 +271,9 @@ BREAKS = [
     ('decoder/atlas.h', 'int btfi_atlas_nowhere(void);\n', 'btfi_atlas_nowhere: not defined in atlas.c'),
     ('decoder/lonely.h', 'extern const int btfi_lonely;\n', 'there is no lonely.c'),
     ('encoder/stray.c', '', 'encoder/stray.c: in no room'),
+    ('tests/unit/math/more.c', 'TEST(test_more) {\n}\n', 'has the test test_more'),
+    ('tests/unit/input/more.c', 'SET_TEST(test_sets) {\n}\n', 'has the test test_sets'),
+    ('tests/unit/nodes/more.c', 'TEST_WITH(test_with, NULL, NULL) {\n}\n', 'has the test test_with'),
 ] + [(f'encoder/math/more{i}.h', '', 'encoder/math: ' if i == MOST_FILES else None) for i in range(MOST_FILES + 1)]
 
 

@@ -64,7 +64,8 @@ static const golden files[] = {
      .effects = BTF_EFFECT_VERSION_1, .components = 4, .centres = 9, .directions = SYNTHETIC_RANDOM,
      .classes = {{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 0, 0}, {3, 4, 3}}, .values = SYNTHETIC_EXTREME,
      .codes = SYNTHETIC_BOUNDS}, EXR_COMPRESSION_NONE, 1},
-    {"v2-roots", /* no factors */ 2, {.seed = 108, .width = 4, .height = 4, .n_views = 7, .n_lights = 4,
+    /* no factors */
+    {"v2-roots", 2, {.seed = 108, .width = 4, .height = 4, .n_views = 7, .n_lights = 4,
      .layout = BTF_LAYOUT_TIGHT, .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_MONO, .lobes = 1,
      .effects = BTF_EFFECT_HIDDEN | BTF_EFFECT_RESIDUAL, .components = 5, .centres = 9,
      .blend = BTF_BLEND_ROOTS}, EXR_COMPRESSION_RLE, 0},
@@ -84,7 +85,8 @@ static const golden files[] = {
      .components = 3, .levels = 3, .classes = {{1, 1, 1}, {0, 0, 0}, {2, 1, 0}}, .blend = BTF_BLEND_ROOTS,
      .horizon_scale = 3.5f, .packed = 1, .relief = SYNTHETIC_GENTLE, .relief_mixed = 1, .gloss_share = 1},
      .compression = EXR_COMPRESSION_ZIP, .odd = 1},
-    {.name = "v2-height", /* of no map; what version 1 has besides */ .version = 2, .spec = {.seed = 112,
+    /* a height of no map; what version 1 has besides */
+    {.name = "v2-height", .version = 2, .spec = {.seed = 112,
      .width = 5, .height = 4, .n_views = 7, .n_lights = 6, .layout = BTF_LAYOUT_TIGHT,
      .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_RGB, .half_float = 1, .lobes = 1,
      .effects = BTF_EFFECT_ALL, .components = 5, .centres = 9, .relief = SYNTHETIC_FLAT, .gloss_share = 2},
@@ -94,7 +96,8 @@ static const golden files[] = {
      .layout = BTF_LAYOUT_TIGHT, .colour = BTF_COLOUR_MONO, .lobes = 2,
      .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_RELIEF, .levels = 2, .relief = SYNTHETIC_HIGH},
      .compression = EXR_COMPRESSION_NONE, .odd = 2},
-    {.name = "v2-end", /* of relief, before the second of three levels */ .version = 2,
+    /* the end of relief before the second of three levels */
+    {.name = "v2-end", .version = 2,
      .spec = {.seed = 114, .width = 7, .height = 5, .n_views = 9, .n_lights = 6, .layout = BTF_LAYOUT_TIGHT,
      .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_NONE,
      .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF, .components = 2, .levels = 3,

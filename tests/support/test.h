@@ -6,8 +6,9 @@
  *     RUN_TESTS(NULL, NULL)
  *
  * RUN_TESTS makes the main program: it runs the tests in the order of the file, after the first function and before the
- * second (int name(void **state), 0: it worked). A test cannot be forgotten there, for there is no other list of them.
- * The headers of C that nearly every test needs are included here.
+ * second (int name(void **state), 0: it worked). A test cannot be forgotten there, for there is no other list of them;
+ * that each file with a test runs its list is a rule of tests/house.py, and a program that ran no test fails, whether it
+ * has none or a filter names none. The headers of C that nearly every test needs are included here.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -32,6 +33,7 @@ typedef struct test_list {
     size_t count;
 } test_list;
 static test_list listed_tests, listed_numbers;
+static size_t tests_begun;
 
 /* Constructors run in no particular order: the lines sort the tests. */
 static inline void test_add(test_list *list, int line, struct CMUnitTest test) {
@@ -50,9 +52,12 @@ static inline void test_add(test_list *list, int line, struct CMUnitTest test) {
 
 #define TEST_IN(list, name, set_up, tear_down)                                                             \
     static void name(void **);                                                                             \
+    static void name##_counted(void **state) {                                                             \
+        tests_begun++;                                                                                     \
+        name(state);                                                                                       \
+    }                                                                                                      \
     __attribute__((constructor)) static void name##_is_listed(void) {                                      \
-        const struct CMUnitTest test = cmocka_unit_test_setup_teardown(name, set_up, tear_down);           \
-        test_add(&list, __LINE__, test);                                                                   \
+        test_add(&list, __LINE__, (struct CMUnitTest){#name, name##_counted, set_up, tear_down, NULL});    \
     }                                                                                                      \
     static void name(__attribute__((unused)) void **no_state)
 
@@ -67,12 +72,17 @@ static inline bool light_run(void) {
     return getenv("BTF_TEST_LIGHT") != NULL;
 }
 
-/* Runs the tests of the file; gives the number of those that fail. */
+/* Runs the tests of the file; gives the number of those that fail, at least 1 where none was run. */
 static inline int run_listed(const char *name, CMFixtureFunction set_up, CMFixtureFunction tear_down) {
+    tests_begun = 0;
     int failed = _cmocka_run_group_tests(name, listed_tests.tests, listed_tests.count, set_up, tear_down);
     if (listed_numbers.count && !light_run()) {
         failed +=
             _cmocka_run_group_tests("numbers", listed_numbers.tests, listed_numbers.count, NULL, NULL);
+    }
+    if (tests_begun == 0 && failed == 0) {
+        fputs("tests/support/test.h: no test was run: the file has none, or the filter names none\n", stderr);
+        failed = 1;
     }
     return failed;
 }

@@ -135,8 +135,8 @@ btf_result btf_gl_fold_run_lights(btf_gl_fold *fold, btf_gl *textures, uint32_t 
                                   uint32_t count, const float *lights, const float *weights, const float view[3],
                                   const btf_log *log);
 
-/** Points the sampler `folded` of a linked program, if it has one, at the texture, in unit @p unit; @p
- * prefix as in btf_gl_bind. Sets the uniform and that unit's binding. */
+/** Points the sampler `folded` of a linked program, if it has one, at the texture, in unit @p unit;
+ * @p prefix as in btf_gl_bind. Sets the uniform and that unit's binding. */
 void btf_gl_fold_bind(btf_gl_fold *fold, uint32_t program, uint32_t unit, const char *prefix);
 
 /** @return the GL name of the texture. */

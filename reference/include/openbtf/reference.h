@@ -163,8 +163,8 @@ typedef struct btf_ref_folded {
  * unless relief is decoded, which moves texels by parts of one. That of light and view as neighbours: always. */
 int btf_ref_can_fold(const btf_ref_material *material, const btf_ref_options *options, int fold);
 
-/** Sets rows first_row .. first_row + rows - 1 of the values that texels show in sampled view @p view under @p
- * light: L of section 9, or y where the blend is of roots. @p options says which effects, and whether lights are
+/** Sets rows first_row .. first_row + rows - 1 of the values that texels show in sampled view @p view under
+ * @p light: L of section 9, or y where the blend is of roots. @p options says which effects, and whether lights are
  * interpolated. out_values [rows][column][4]; the fourth is 0. */
 void btf_ref_fold_light(const btf_ref_material *material, const btf_ref_options *options,
                         const float light[3], uint32_t view, uint32_t first_row, uint32_t rows,

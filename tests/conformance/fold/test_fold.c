@@ -383,8 +383,8 @@ TEST(plans_weigh_gloss) {
         assert_int_equal(btf_plan_effects(material, &scene, tighter[i], &plan), BTF_OK);
         assert_true(plan.effects == EFFECTS && plan.fold == BTF_FOLD_NONE && plan.folded_cost == plan.cost);
     }
-    assert_int_equal(btf_plan_effects(silent, &scene, 0.5f, &plan),
-                     BTF_OK); /* who knows what it is worth */
+    /* who knows what it is worth */
+    assert_int_equal(btf_plan_effects(silent, &scene, 0.5f, &plan), BTF_OK);
     assert_int_equal(plan.effects, EFFECTS);
     scene.view = still; /* is folded with gloss as well */
     assert_int_equal(btf_plan_effects(material, &scene, 0, &plan), BTF_OK);

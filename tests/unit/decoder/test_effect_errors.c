@@ -428,8 +428,8 @@ static void check_rows_without_effects(void) {
 static void check_rows_of_levels(void) {
     static const struct {
         float left_out;
-        bool
-            with_gloss; /* 2 levels and gloss, which needs version 2; else refused, as in version 1 all are */
+        /* accepted with 2 levels and gloss, which needs version 2; without gloss, in version 1, all are refused */
+        bool with_gloss;
     } rows[] = {{16 + 1, true},  {16 + 3, true},  {16 + 11, true}, {16, false},     {16 + 4, false},
                 {16 + 7, false}, {32 + 3, false}, {16.5f, false},  {16 + 12, false}};
     for (int gloss = 0; gloss < 2; gloss++) {

@@ -156,8 +156,8 @@ TEST(test_preview) {
     m = open_accepted(e);
     assert_null(btf_material_preview(m));
     btf_material_close(&m);
-    EDIT_REFUSED(take(&plain_file), edit_copy_part(e, "sbrdf", "preview"),
-                 "part preview: unknown"); /* version 1 knows no such part */
+    /* version 1 knows no such part */
+    EDIT_REFUSED(take(&plain_file), edit_copy_part(e, "sbrdf", "preview"), "part preview: unknown");
     btf_material_desc desc = random_material_desc(2, 2, 3, 3, BTF_LAYOUT_TIGHT, 0);
     random_state r = {12};
     random_material_fill(&r, &desc);

@@ -36,14 +36,16 @@ TEST(test_file_attributes) {
         EDIT_REFUSED(take(&factor_file), edit_find_attribute(e, name)->type = EXR_ATTR_DOUBLE,
                      told("attribute %s is of type double", name));
     }
+    /* without classes the residual is stored as components */
     EDIT_REFUSED(take(&factor_file), edit_remove_attribute(e, "openbtf.factorClasses"),
-                 "attribute openbtf.residualScales is missing"); /* its store is another then */
+                 "attribute openbtf.residualScales is missing");
     EDIT_REFUSED(take(&factor_file), add_floats(e, "openbtf.residualScales", FACTOR_UNITS),
                  "attribute openbtf.residualScales is there, but there are no components of the residual");
     EDIT_REFUSED(take(&factor_file), edit_find_attribute(e, "openbtf.residual")->i = 8,
                  "factorClasses: the classes have 9 units in all, the residual has 8");
+    /* version 1 has no factors: its residual is of nine components */
     EDIT_REFUSED(take(&factor_file), edit_find_attribute(e, "openbtf.version")->i = 1,
-                 "attribute openbtf.residualScales is missing"); /* nine components then */
+                 "attribute openbtf.residualScales is missing");
     edit_file *e = take(&factor_file); /* a file without a residual and with factors */
     edit_attribute *effects = edit_find_attribute(e, "openbtf.effects");
     free(effects->text);

@@ -388,8 +388,8 @@ TEST(test_directions) {
 
     EDIT_REFUSED(take(&paper_file), edit_remove_attribute(e, "openbtf.viewHull"),
                  "views: the hull has 0 vertices, which 8 directions cannot have");
-    EDIT_REFUSED(take(&paper_file), edit_remove_attribute(e, "openbtf.viewTriangles"),
-                 "views: cell");      /* the hull says more cells than there are records */
+    /* the hull says more cells than there are records */
+    EDIT_REFUSED(take(&paper_file), edit_remove_attribute(e, "openbtf.viewTriangles"), "views: cell");
     edit_file *e = take(&paper_file); /* clockwise */
     edit_attribute *hull = edit_find_attribute(e, "openbtf.lightHull");
     for (int i = 0; i < hull->count / 2; i++) {

@@ -194,8 +194,9 @@ TEST(test_file_parts) {
         char part[40];
         snprintf(part, sizeof part, "level1.%s", btf_texture_name(level_ids[i]));
         EDIT_REFUSED(take_levels(), edit_remove_part(e, part), told("part %s: missing", part));
+        /* the size of level 0 */
         EDIT_REFUSED(take_levels(), edit_resize(edit_find_part(e, part), 15, 9),
-                     told("part %s: data window (0,0)-(14,8)", part)); /* the size of level 0 */
+                     told("part %s: data window (0,0)-(14,8)", part));
         edit_file *e = take_levels();
         snprintf(part, sizeof part, "level3.%s", btf_texture_name(level_ids[i]));
         edit_copy_part(e, btf_texture_name(level_ids[i]), part);
@@ -222,9 +223,9 @@ TEST(test_file_parts) {
 }
 
 TEST(test_file_attributes) {
-    EDIT_REFUSED(
-        take_levels(), edit_remove_attribute(e, "openbtf.levels"),
-        "level errors: row 1 is of level 1; levels must rise and be below 1"); /* one level: the errors of level 1 are a contradiction */
+    /* without the attribute there is one level: the errors of level 1 are a contradiction */
+    EDIT_REFUSED(take_levels(), edit_remove_attribute(e, "openbtf.levels"),
+                 "level errors: row 1 is of level 1; levels must rise and be below 1");
     edit_file *e = take_levels();
     edit_remove_attribute(e, "openbtf.levels");
     edit_remove_attribute(e, "openbtf.levelErrors");

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+<<<<<<< HEAD
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,11 +11,16 @@
 #include <cmocka.h>
 
 #include "decoder/toolkit/scene_option.h"
+=======
+>>>>>>> mendtests
 #include "tests/support/random_material.h"
-#include <math.h>
+#include "tests/support/test.h"
 #include <openbtf/plan.h>
+<<<<<<< HEAD
 #include <stdbool.h>
 #include <string.h>
+=======
+>>>>>>> mendtests
 
 enum {
     GLOSS = BTF_EFFECT_GLOSS,
@@ -76,8 +82,7 @@ static btf_plan plan_of(const btf_material *material, float pixels, float tolera
 }
 
 /* Half of the growth that the table tells of each, which add up: 0.02 without relief, 0.025 without gloss. */
-static void what_is_worth_less_is_left_out(void **state) {
-    (void)state;
+TEST(what_is_worth_less_is_left_out) {
     btf_material *material = make(6), *silent = make(1);
     const struct {
         float tolerance;
@@ -168,8 +173,7 @@ static void reasons_tell_what_plans_count(void **state) {
 }
 
 /* Against interpolated data the error of ways that were not measured changes without gloss as the full decode's does. */
-static void errors_without_gloss_are_foretold(void **state) {
-    (void)state;
+TEST(errors_without_gloss_are_foretold) {
     btf_material *material = make(6);
     const btf_plan plan = plan_of(material, 1, 0);
     float linear, srgb;
@@ -185,8 +189,7 @@ static void errors_without_gloss_are_foretold(void **state) {
 
 /* At a coarser level the tolerance is a share of what that level loses between the samples: 0.0009 more beside 0.01, half of
  * 0.02, and 0.01 of these without gloss. Where the file does not tell, of its error against the data. */
-static void levels_have_errors_of_their_own(void **state) {
-    (void)state;
+TEST(levels_have_errors_of_their_own) {
     btf_material *material = make(6), *silent = make(3);
     btf_plan plan = plan_of(material, 0.5f, 0.5f);
     assert_true(plan.level == 1 && plan.components == 4);
@@ -202,6 +205,7 @@ static void levels_have_errors_of_their_own(void **state) {
     btf_material_close(&silent);
 }
 
+<<<<<<< HEAD
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_worth_less_is_left_out),
@@ -212,3 +216,6 @@ int main(void) {
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
+=======
+RUN_TESTS(NULL, NULL)
+>>>>>>> mendtests

@@ -227,16 +227,18 @@ TEST(test_file) {
     const uint16_t half = 0x5C00; /* 256 */
     memcpy(edit_find_channel(e, "points", "R")->data, &half, 2);
     file_refused(e, "part points: channel R at (0, 0) holds half 0x5c00, not an integer of its range");
+    /* without the attribute points are separate */
     EDIT_REFUSED(take(&file), edit_remove_attribute(e, "openbtf.pointStore"),
-                 "unknown, or not in a material of these effects"); /* separate then */
+                 "unknown, or not in a material of these effects");
     EDIT_REFUSED(take(&file), edit_set_text(e, "openbtf.pointStore", "dense"),
                  "attribute openbtf.pointStore is \"dense\", which is unknown");
     EDIT_REFUSED(take(&file), edit_find_attribute(e, "openbtf.pointStore")->type = EXR_ATTR_DOUBLE,
                  "attribute openbtf.pointStore is of type double");
     EDIT_REFUSED(take(&file), edit_set_text(e, "openbtf.effects", "shift"),
                  "packed points need the effects shift and gain");
+    /* version 1 knows no such attribute */
     EDIT_REFUSED(take(&file), edit_find_attribute(e, "openbtf.version")->i = 1,
-                 "unknown, or not in a material of these effects"); /* which knows no such attribute */
+                 "unknown, or not in a material of these effects");
 }
 
 /* Sets the index pair of a texel in the contact sheet of level 0: ten layers stand in four columns. */
@@ -262,8 +264,9 @@ TEST(test_file_of_lists) {
         EDIT_REFUSED(take(&lists), edit_find_attribute(e, "openbtf.pointEntries")->i = bad[i],
                      "openbtf.pointEntries");
     }
+    /* the sheet of six layers is not that of four */
     EDIT_REFUSED(take(&lists), edit_find_attribute(e, "openbtf.pointEntries")->i = 4,
-                 "part point_lists: data window"); /* of six layers */
+                 "part point_lists: data window");
     EDIT_REFUSED(take(&lists), edit_set_text(e, "openbtf.pointStore", "packed"),
                  "unknown, or not in a material of these effects");
     EDIT_REFUSED(take(&lists), set_indices(e, 3, 2, 1, 0x4600 /* 6 */),

@@ -107,9 +107,9 @@ TEST(test_file_refuses) {
     }
     EDIT_REFUSED(edit_load(data, size), edit_find_attribute(e, "openbtf.reliefEnd")->type = EXR_ATTR_DOUBLE,
                  "attribute openbtf.reliefEnd is of type double");
-    EDIT_REFUSED(
-        edit_load(data, size), edit_find_attribute(e, "openbtf.levels")->i = 1,
-        "attribute openbtf.reliefEnd is 2, not within 1 to 1"); /* the levels of which the end is one */
+    /* the end is one of the levels that there are */
+    EDIT_REFUSED(edit_load(data, size), edit_find_attribute(e, "openbtf.levels")->i = 1,
+                 "attribute openbtf.reliefEnd is 2, not within 1 to 1");
     btf_free(data);
     btf_material_close(&m);
     m = make(BTF_EFFECT_GLOSS, 0);

@@ -14,9 +14,7 @@
 #include "tests/support/random_material.h"
 #include "tests/support/test.h"
 
-#include <math.h>
 #include <openbtf/plan.h>
-#include <stdlib.h>
 
 static const enc_context context = {.threads = 2};
 
