@@ -2,7 +2,6 @@
  *
  * SPDX-License-Identifier: MIT
  */
-<<<<<<< HEAD
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,16 +10,11 @@
 #include <cmocka.h>
 
 #include "decoder/toolkit/scene_option.h"
-=======
->>>>>>> mendtests
 #include "tests/support/random_material.h"
 #include "tests/support/test.h"
 #include <openbtf/plan.h>
-<<<<<<< HEAD
 #include <stdbool.h>
 #include <string.h>
-=======
->>>>>>> mendtests
 
 enum {
     GLOSS = BTF_EFFECT_GLOSS,
@@ -108,8 +102,7 @@ TEST(what_is_worth_less_is_left_out) {
 }
 
 /* What a plan says that an effect is worth is what its tolerance counts, at its level and for its directions. */
-static void worth_is_what_tolerances_count(void **state) {
-    (void)state;
+TEST(worth_is_what_tolerances_count) {
     btf_material *material = make(6), *silent = make(1);
     const struct {
         float pixels; /* 0.5: level 1 */
@@ -146,8 +139,7 @@ static void worth_is_what_tolerances_count(void **state) {
 }
 
 /* So say btf-info --plan and btf-view. */
-static void reasons_tell_what_plans_count(void **state) {
-    (void)state;
+TEST(reasons_tell_what_plans_count) {
     btf_material *material = make(6), *silent = make(1);
     char text[80];
     const btf_plan near = plan_of(material, 1, 0), far = plan_of(material, 0.5f, 0),
@@ -205,17 +197,4 @@ TEST(levels_have_errors_of_their_own) {
     btf_material_close(&silent);
 }
 
-<<<<<<< HEAD
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_worth_less_is_left_out),
-        cmocka_unit_test(errors_without_gloss_are_foretold),
-        cmocka_unit_test(levels_have_errors_of_their_own),
-        cmocka_unit_test(worth_is_what_tolerances_count),
-        cmocka_unit_test(reasons_tell_what_plans_count),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
-=======
 RUN_TESTS(NULL, NULL)
->>>>>>> mendtests
