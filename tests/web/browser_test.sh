@@ -7,8 +7,12 @@ here=$(cd "$(dirname "$0")" && pwd)
 root=$here/../..
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-mkdir "$work/vectors" "$work/scenes"
-"$3" --vectors "$work/vectors"
-"$5" "$here/vectors.py" "$root/tests/conformance/port/replay_exr.py" "$work/vectors" "$work/raw"
+mkdir "$work/vectors" "$work/raw" "$work/scenes"
+case " ${*:7} " in
+'  ' | *' conform '*) # of all parts, only this one reads them
+    "$3" --vectors "$work/vectors"
+    "$5" "$here/vectors.py" "$root/tests/conformance/port/replay_exr.py" "$work/vectors" "$work/raw"
+    ;;
+esac
 "$root/decoder/web/package.sh" "$work/package" "$2"
 node "$here/run_browser.mjs" "$1" "$work/package" "$work/raw" "$root/tests/data/golden" "$6/node_modules" "$4" "$work/scenes" "${@:7}"

@@ -31,7 +31,8 @@ export interface BTFMaterialOptions extends MaterialParameters {
  * comes from everywhere (ambient, hemisphere, rectangular lights, light probes, environment maps) adds nothing: a BTF has no
  * closed form for it. Let several directional lights stand for it.
  *
- * Tone mapping, exposure, colour space, fog, clipping planes, skinning, morph targets, instances and batches are three's.
+ * Tone mapping, exposure, colour space, fog, clipping planes, skinning, morph targets, instances and batches are three's. So is `opacity`,
+ * which acts where `transparent` is set; `alphaTest`, `alphaHash` and `vertexColors` do nothing.
  *
  * Geometry: needs `normal` and `uv`. With `tangent` (four numbers, as of computeTangents()) the frame of the surface is that of
  * the vertices, blended; without, it follows in each pixel from how uv lies on the triangle, so that it is slightly faceted.

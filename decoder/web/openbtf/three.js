@@ -51,6 +51,7 @@ void main() {
 /* Behind the decoder's text. Three's light loops call RE_Direct for each light with the irradiance at normal incidence that arrives,
  * shadows and distance included. btf_evaluate_level gives the radiance, cosine included, for an irradiance of pi. */
 const FRAGMENT = `
+uniform float opacity;
 varying vec2 vOpenbtfUv;
 varying vec3 vOpenbtfNormal;
 varying vec4 vOpenbtfTangent;
@@ -129,7 +130,11 @@ void main() {
     OpenbtfSurface material = openbtfSurface();
     vec3 normal = material.frame[2];
     #include <lights_fragment_begin>
+    #ifdef OPAQUE
     gl_FragColor = vec4(reflectedLight.directDiffuse, 1.0);
+    #else
+    gl_FragColor = vec4(reflectedLight.directDiffuse, opacity);
+    #endif
     #include <tonemapping_fragment>
     #include <colorspace_fragment>
     #include <fog_fragment>
@@ -153,6 +158,7 @@ export class BTFMaterial extends ShaderMaterial {
             uniforms: {
                 ...UniformsUtils.clone(UniformsLib.lights),
                 ...UniformsUtils.clone(UniformsLib.fog),
+                opacity: { value: 1 },
                 openbtfRepeat: { value: new Vector2(...repeat) },
                 ...Object.fromEntries(Array.from(names, (name) => [`btf_${name}`, { value: new ExternalTexture() }])),
             },
@@ -200,6 +206,7 @@ export class BTFMaterial extends ShaderMaterial {
     }
 
     onBeforeRender(renderer) {
+        this.uniforms.opacity.value = this.opacity;
         this.upload(renderer);
     }
 

@@ -10,7 +10,7 @@ import {
 } from 'three/webgpu';
 import { OpenBTFError } from './module.js';
 import { readOptions } from './three_options.js';
-import { uploadAtOnce } from './webgpu_upload.js';
+import { standIns, uploadAtOnce } from './webgpu_upload.js';
 
 const {
     bool, frontFacing, modelViewMatrix, normalViewGeometry, positionView, positionViewDirection, tangentGeometry, tangentLocal, texture,
@@ -58,10 +58,11 @@ fn openbtf_view(frame: mat3x3f, direction: vec3f) -> vec3f {
 }
 `;
 /* Radiance under one of three's lights: colour is the irradiance at normal incidence that arrives, shadows and distance included, and
- * btf_evaluate_level gives the radiance, cosine included, for an irradiance of pi. In shadow nothing is decoded: that is what costs. */
+ * btf_evaluate_level gives the radiance, cosine included, for an irradiance of pi. In shadow nothing is decoded: that is what costs. Nor is
+ * anything where the device has refused the textures: then what is bound is no material. */
 const DIRECT = `
-fn openbtf_direct(uv: vec2f, level: i32, frame: mat3x3f, view: vec3f, direction: vec3f, colour: vec3f) -> vec3f {
-    if (all(colour == vec3f(0.0))) {
+fn openbtf_direct(uv: vec2f, level: i32, frame: mat3x3f, view: vec3f, direction: vec3f, colour: vec3f, present: u32) -> vec3f {
+    if (present == 0u || all(colour == vec3f(0.0))) {
         return vec3f(0.0);
     }
     return btf_evaluate_level(uv, normalize(direction * frame), view, level) * colour * ${1 / Math.PI};
@@ -119,12 +120,14 @@ class DecoderNode extends CodeNode {
 class Lighting extends LightingModel {
     #functions;
     #repeat;
+    #present;
     #surface;
 
-    constructor(functions, repeat) {
+    constructor(functions, repeat, present) {
         super();
         this.#functions = functions;
         this.#repeat = repeat;
+        this.#present = present;
     }
 
     start(builder) {
@@ -146,7 +149,9 @@ class Lighting extends LightingModel {
     }
 
     direct({ lightDirection, lightColor, reflectedLight }) {
-        reflectedLight.directDiffuse.addAssign(this.#functions.direct({ ...this.#surface, direction: lightDirection, colour: lightColor }));
+        reflectedLight.directDiffuse.addAssign(this.#functions.direct({
+            ...this.#surface, direction: lightDirection, colour: lightColor, present: this.#present,
+        }));
     }
 }
 
@@ -168,10 +173,14 @@ export class BTFMaterial extends NodeMaterial {
     #decode;
     #options;
     #functions;
+    #list; // of the textures: name, format, isArray
     #externals; // by name
     #repeat;
-    #uploads = new Map(); // by device: { textures, settled }
+    #present = uniform(1, 'uint'); // 0 while stand-ins are shown
+    #uploads = new Map(); // by device, see #start()
     #shown; // the textures that #externals hold now
+    #reference = new WeakRef(this);
+    static #references = new WeakMap(); // by device: those of the materials that have textures on it
 
     static get type() {
         return 'BTFMaterial';
@@ -185,6 +194,7 @@ export class BTFMaterial extends NodeMaterial {
         this.#options = { ...decode, language: 'wgsl' };
         const list = btf.readTextures(this.#options).filter(({ level }) => level === 0);
         const nodes = list.map((read) => [`btf_${read.name}`, textureNode(read)]);
+        this.#list = list.map(({ name, format, isArray }) => ({ name, format, isArray }));
         this.#externals = new Map(list.map(({ name }, i) => [name, nodes[i][1].value]));
         this.#repeat = uniform(new Vector2(...repeat));
         // a property, so that three tells two materials apart
@@ -215,38 +225,83 @@ export class BTFMaterial extends NodeMaterial {
     }
 
     setupLightingModel() {
-        return new Lighting(this.#functions, this.#repeat);
+        return new Lighting(this.#functions, this.#repeat, this.#present);
     }
 
-    /** Puts the textures of a device in place, which are uploaded once. */
+    /** Puts the textures of a device in place. Nothing is uploaded where that has failed before. */
     #show(device) {
-        let held = this.#uploads.get(device);
-        if (!held) {
-            const [textures, settled] = uploadAtOnce(device, this.#btf, this.#options, GPUShaderStage.FRAGMENT);
-            held = { textures, settled: settled.catch((error) => {
-                this.#drop(device);
-                throw error;
-            }) };
-            this.#uploads.set(device, held);
-            device.lost.then(() => this.#drop(device));
-        }
+        const held = this.#uploads.get(device) ?? this.#start(device);
         if (this.#shown !== held.textures) {
             this.#shown = held.textures;
+            this.#present.value = held.failed ? 0 : 1;
             this.#externals.forEach((external, name) => { external.sourceTexture = held.textures.texture(name); });
         }
         return held;
     }
 
+    /** Uploads the textures: { textures, settled: a promise as of uploadAtOnce(), failed, awaited: whether a caller learns of a failure }. */
+    #start(device) {
+        const held = { textures: null, settled: null, failed: false, awaited: false };
+        try {
+            [held.textures, held.settled] = uploadAtOnce(device, this.#btf, this.#options, GPUShaderStage.FRAGMENT);
+        } catch (error) {
+            Object.assign(held, { textures: standIns(device, this.#list), settled: Promise.reject(error), failed: true });
+        }
+        held.settled.catch((error) => this.#fail(device, held, error));
+        this.#uploads.set(device, held);
+        BTFMaterial.#referencesOn(device).add(this.#reference);
+        return held;
+    }
+
+    /** Has stand-ins drawn from now on, and says so once. Textures that the device refused would take the whole picture with them. */
+    #fail(device, held, { message }) {
+        if (this.#uploads.get(device) !== held) {
+            return; // disposed of meanwhile, or the device is lost
+        }
+        if (!held.failed) {
+            Object.assign(held, { textures: standIns(device, this.#list), failed: true });
+            this.#forget();
+        }
+        if (!held.awaited) {
+            console.error(`openbtf/three-webgpu: a material is drawn black: ${message}`);
+        }
+    }
+
+    /** References to the materials that have textures on a device, which are dropped when it is lost. Its promise keeps what reacts to it as
+     * long as the device is there: so one function does for all materials, and keeps none of them. */
+    static #referencesOn(device) {
+        const references = BTFMaterial.#references.get(device) ?? new Set();
+        if (!BTFMaterial.#references.has(device)) {
+            BTFMaterial.#references.set(device, references);
+            device.lost.then(() => references.forEach((reference) => reference.deref()?.#drop(device)));
+        }
+        references.forEach((reference) => reference.deref() ?? references.delete(reference));
+        return references;
+    }
+
     async upload(renderer) {
-        const { textures, settled } = this.#show(deviceOf(renderer));
-        await settled;
-        return textures.bytes;
+        const device = deviceOf(renderer);
+        if (this.#uploads.get(device)?.failed) {
+            this.#drop(device);
+            this.#forget();
+        }
+        const held = this.#show(device);
+        held.awaited = true;
+        await held.settled;
+        return held.textures.bytes;
     }
 
     #drop(device) {
         this.#uploads.get(device)?.textures.destroy();
         this.#uploads.delete(device);
+        BTFMaterial.#references.get(device)?.delete(this.#reference);
         this.#shown = undefined;
+    }
+
+    /** Has three forget what it holds of the material, and ask for its textures again. */
+    #forget() {
+        super.dispose();
+        this.#externals.forEach((external) => external.dispose());
     }
 
     clone() {
@@ -264,8 +319,7 @@ export class BTFMaterial extends NodeMaterial {
     }
 
     dispose() {
-        super.dispose();
-        this.#externals.forEach((external) => external.dispose()); // three forgets them, and asks again
+        this.#forget();
         Array.from(this.#uploads.keys()).forEach((device) => this.#drop(device));
     }
 }

@@ -1,5 +1,5 @@
 /* OpenBTF in WebGPU: uploads a material's textures and makes the bind group that its WGSL reads. webgpu.d.ts documents every call but
- * uploadAtOnce(), which is for this package alone.
+ * uploadAtOnce() and standIns(), which are for this package alone.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -23,6 +23,9 @@ const FORMATS = {
 /* Bindings of a shader behind those of the material's textures: a fold, two tables of light sampling, then the zero. */
 const ZERO_BEHIND = 3;
 const ZERO_BYTES = 16;
+
+/* Of the largest texel. */
+const TEXEL_BYTES = 16;
 
 function unsupported(message) {
     return new OpenBTFError('UNSUPPORTED', message);
@@ -189,6 +192,15 @@ async function taken(textures, scopes) {
         throw noMemory ? new OpenBTFError('MEMORY', `WebGPU has no memory left for textures: ${noMemory.message}`)
             : unsupported(`WebGPU refuses the textures: ${refused.message}`);
     }
+}
+
+/** Textures of one texel, of zeros, with the names and formats of a material's: for who must bind something where the device has refused those. */
+export function standIns(device, list) {
+    const textures = new Textures(device);
+    list.forEach(({ name, format, isArray }, binding) => {
+        textures.add([{ name, format, isArray, width: 1, height: 1, layers: 1, data: new Uint8Array(TEXEL_BYTES) }], binding, GPUShaderStage.FRAGMENT);
+    });
+    return textures;
 }
 
 export async function upload(device, material, options, visibility) {

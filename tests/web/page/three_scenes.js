@@ -198,6 +198,25 @@ export async function compareTwo(renderer, scene, material, other) {
     await far('control: the two materials differ', ...alone);
 }
 
+/** How many pixels are lit. */
+const litOf = (pixels) => Array.from({ length: pixels.length / 4 }, (_, i) => !isDark(pixels, 4 * i)).filter(Boolean).length;
+
+/** `opacity` acts where `transparent` is set, as of three's own materials, and when it changes. */
+export async function compareOpacity(renderer, scene, material) {
+    const whole = drawn(renderer, scene, build(scene, material));
+    const glass = material.clone(), opaque = material.clone();
+    Object.assign(glass, { transparent: true, opacity: 0 });
+    opaque.opacity = 0;
+    const world = build(scene, glass);
+    const lit = litOf(drawn(renderer, scene, world));
+    await report(`${ENGINE}: of opacity 0 nothing is seen`, lit === 0 ? '' : `${lit} pixels are lit`);
+    glass.opacity = 1;
+    await near('of opacity 1, what was transparent', drawn(renderer, scene, world), whole, 0);
+    await near('opacity without transparent', drawn(renderer, scene, build(scene, opaque)), whole, 0);
+    glass.dispose();
+    opaque.dispose();
+}
+
 /** What a body throws, by code and message. */
 export async function refuses(name, pattern, body) {
     let said = 'nothing is refused';

@@ -6,7 +6,7 @@ import * as THREE from 'three';
 import { OpenBTFError, open } from '/package/index.js';
 import { BTFMaterial } from '/package/three_webgpu.js';
 import { bytes, report } from './post.js';
-import { build, compareScenes, compareSpot, compareTwo, drawn, far, near, refuses } from './three_scenes.js';
+import { build, compareOpacity, compareScenes, compareSpot, compareTwo, drawn, far, near, refuses } from './three_scenes.js';
 
 /** Textures are uploaded once, destroyed, uploaded again, and belong to a device each. */
 async function livesAndDies(renderer, scene, material) {
@@ -43,6 +43,59 @@ async function livesAndDies(renderer, scene, material) {
     await near('again on the first', drawn(renderer, scene, build(scene, material)), first, 0);
 }
 
+/** A device that refuses the textures is asked once; a picture goes on without the material, until upload() is called. */
+async function survivesRefusal(renderer, scene, material) {
+    const { device } = renderer.backend;
+    const first = drawn(renderer, scene, build(scene, material));
+    const other = material.clone();
+    const world = build(scene, other);
+    const { error } = console, said = [], errors = [];
+    const listen = ({ error: { message } }) => errors.push(message);
+    device.addEventListener('uncapturederror', listen);
+    console.error = (text) => said.push(text);
+    let made = 0, refused = 0; // of the scopes to come, those whose answer is a refusal: of the textures, not of what three makes
+    const { createTexture } = device;
+    device.createTexture = function (description) {
+        if (description.label?.startsWith('openbtf ')) {
+            made += 1;
+            refused = 2;
+        }
+        return createTexture.call(this, description);
+    };
+    device.popErrorScope = function () {
+        const answer = Object.getPrototypeOf(this).popErrorScope.call(this);
+        refused -= 1;
+        return refused < 0 ? answer : answer.then(() => ({ message: 'there is too much of it' }));
+    };
+    drawn(renderer, scene, world);
+    delete device.popErrorScope;
+    const count = made;
+    await device.queue.onSubmittedWorkDone();
+    await new Promise((resolve) => { setTimeout(resolve); });
+    // beside a material that the device has taken
+    const both = build(scene, other);
+    const beside = build(scene, material).children[0];
+    beside.position.x = 0.5;
+    both.add(beside);
+    const after = made;
+    const black = drawn(renderer, scene, world);
+    const pictures = [drawn(renderer, scene, both), drawn(renderer, scene, both)];
+    await device.queue.onSubmittedWorkDone();
+    await new Promise((resolve) => { setTimeout(resolve); });
+    console.error = error;
+    device.createTexture = createTexture;
+    const dark = (pixels) => pixels.every((value, i) => i % 4 === 3 || value === 0);
+    await report('three-webgpu: textures that the device refuses are uploaded once', count > 0 && made === after ? '' : `${count}, then ${made - after} more`);
+    await report('three-webgpu: the material is black then', dark(black) ? '' : 'it is not');
+    await report('three-webgpu: what else there is is drawn', pictures.every((pixels) => !dark(pixels)) ? '' : 'it is not');
+    await report('three-webgpu: the console says why, once', said.length === 1 && /drawn black: .*there is too much of it/.test(said[0]) ? '' : JSON.stringify(said));
+    await report('three-webgpu: the device finds nothing else wrong', errors.join('\n'));
+    await other.upload(renderer);
+    await near('after upload() of what was refused', drawn(renderer, scene, build(scene, other)), first, 0);
+    device.removeEventListener('uncapturederror', listen);
+    other.dispose();
+}
+
 /* The golden material is noise, with values beyond what the halves hold in which three keeps a picture. */
 async function rendererOf(side) {
     const renderer = new THREE.WebGPURenderer({ outputBufferType: THREE.FloatType });
@@ -62,7 +115,9 @@ window.runThree = async ({ material: name, other, scenes, side }) => {
     await compareSpot(renderer, material, scenes.find(({ name: of }) => of === 'shadow of a point'));
     const above = { ...scenes[0], view: [0, 0] };
     await compareTwo(renderer, above, material, new BTFMaterial(otherBtf, { decode: { filter: 'bilinear' }, repeat: 2 }));
+    await compareOpacity(renderer, scenes[0], material);
     await livesAndDies(renderer, scenes[0], material);
+    await survivesRefusal(renderer, scenes[0], material);
     await refuses('an option that is none', /^USAGE .*picks/, () => new BTFMaterial(btf, { decode: { picks: 'all' } }));
     await refuses('three repeats', /^USAGE repeat/, () => new BTFMaterial(btf, { repeat: [1, 2, 3] }));
     otherBtf.close();

@@ -7,6 +7,8 @@ here=$(cd "$(dirname "$0")" && pwd)
 root=$here/../../..
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+# before all that takes time
+node --input-type=module -e "import { needPrograms, needWebGPU } from '$here/../browser.mjs'; needPrograms('$1'); needWebGPU('$1');"
 mkdir "$work/vectors" "$work/texts"
 "$3" --vectors "$work/vectors"
 "$5" "$here/../vectors.py" "$root/tests/conformance/port/replay_exr.py" "$work/vectors" "$work/raw"
