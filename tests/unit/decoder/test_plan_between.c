@@ -2,16 +2,10 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "decoder/toolkit/scene_option.h"
 #include "tests/support/random_material.h"
 #include "tests/support/test.h"
+
 #include <openbtf/plan.h>
 #include <stdbool.h>
 #include <string.h>
