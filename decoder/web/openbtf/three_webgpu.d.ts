@@ -29,7 +29,7 @@ export type { BTFMaterialOptions } from './three.js';
  *
  * WebGPURenderer looks at which attributes a geometry has when it first draws it: computeTangents() belongs in front of that. It keeps
  * a picture in halves, of which the largest is 65504, until the tone is mapped; where a light and a material exceed that,
- * `new WebGPURenderer({ outputBufferType: FloatType })` draws it.
+ * `new WebGPURenderer({ outputBufferType: FloatType })` draws it; what is transparent needs a device with the feature float32-blendable then.
  *
  * Textures: a material takes up to 13 of the 16 that WebGPU lets a shader have; what is left is for shadow maps and cookies.
  *
