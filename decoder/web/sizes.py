@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""The table of sizes in decoder/web/README.md.
+"""The sizes in decoder/web/README.md: a table of the package, a sentence on the viewer and the gallery.
 
     sizes.py PACKAGE README           prints the sizes of a package (a folder that package.sh made), and fails where a number of the
                                       table is more than a tenth off
     sizes.py PACKAGE README --write   writes the table
+    sizes.py --pages VIEWER GALLERY   prints the sentence, which tests/bench/regenerate.sh puts between its marks
 
 SPDX-License-Identifier: MIT
 """
@@ -41,7 +42,27 @@ def sizes(package):
     return found
 
 
+def megabytes(number):
+    """With two digits that count: what a commit changes shows rarely."""
+    return f"{float(f'{number / 1e6:.2g}'):.{1 if number >= 0.995e6 else 2}f} MB"
+
+
+def pages(viewer, gallery):
+    """The sentence on the two pages."""
+    said = []
+    for path in (viewer, gallery):
+        with open(path, "rb") as file:
+            content = file.read()
+        said.append((megabytes(len(content)), megabytes(len(gzip.compress(content, 9, mtime=0)))))
+    return ("<!-- pages: written by tests/bench/regenerate.sh -->\n"
+            f"`viewer.html` with one material of 0.5 MB is {said[0][0]} ({said[0][1]} by gzip), `gallery.html` with four {said[1][0]} ({said[1][1]}).\n"
+            "<!-- /pages -->")
+
+
 def main():
+    if sys.argv[1:2] == ["--pages"]:
+        print(pages(*sys.argv[2:]))
+        return 0
     package, readme = sys.argv[1:3]
     with open(readme, encoding="utf-8") as file:
         text = file.read()

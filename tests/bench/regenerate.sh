@@ -29,7 +29,7 @@ example  decoder/FORMAT.md#example
 languages shaders/README.md#languages
 levels   decoder/README.md#levels levels-off.png levels-on.png
 viewer   viewer.png
-web      web-viewer.png web-gallery.png
+web      decoder/web/README.md#pages web-viewer.png web-gallery.png
 between  README.md#headline between.png
 relief   encoder/relief/RELIEF.md#alone
 demo     hero.png montage.png figure13.png
@@ -138,6 +138,8 @@ part_web() {
         passed_over=1
         return 0
     fi
+    "$root/decoder/web/sizes.py" --pages "$build"/decoder/web/viewer/{viewer,gallery}.html |
+        "$root/tests/bench/marks.py" "$root/decoder/web/README.md" pages
     node "$root/tests/web/viewer/pictures.mjs" "$build"/decoder/web/viewer/{viewer,gallery}.html "$pictures"
 }
 part_viewer() { "$pictures/make.sh" "$build" "$work/levels-$(commit)" viewer; }

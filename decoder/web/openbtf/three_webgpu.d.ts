@@ -23,18 +23,20 @@ export type { BTFMaterialOptions } from './three.js';
  * A node material of three.js that shows a BTF, by the WGSL of the library.
  *
  * Lights, tone mapping, fog, geometry, intensities and levels of detail are as BTFMaterial of `openbtf/three` documents them: the two
- * draw the same picture of what is opaque. What is transparent three's two renderers blend apart: WebGPURenderer in linear values, before the
- * tone is mapped, WebGLRenderer after. `alphaTest` and `alphaHash` act here. Nodes of NodeMaterial that move vertices, cut fragments or change what comes out act here too, e.g.
- * `positionNode`, `maskNode`, `outputNode`; those that say what a surface is made of, such as `colorNode` and `normalNode`, do not.
+ * draw the same picture of what is opaque. What is transparent three's two renderers blend apart: WebGPURenderer in linear values,
+ * before the tone is mapped, WebGLRenderer after. `alphaTest` and `alphaHash` act here. Nodes of NodeMaterial that move vertices, cut
+ * fragments or change what comes out act here too, e.g. `positionNode`, `maskNode`, `outputNode`; those that say what a surface is made
+ * of, such as `colorNode` and `normalNode`, do not.
  *
  * WebGPURenderer looks at which attributes a geometry has when it first draws it: computeTangents() belongs in front of that. It keeps
  * a picture in halves, of which the largest is 65504, until the tone is mapped; where a light and a material exceed that,
- * `new WebGPURenderer({ outputBufferType: FloatType })` draws it.
+ * `new WebGPURenderer({ outputBufferType: FloatType })` draws it; what is transparent then needs a device with float32-blendable.
  *
  * Textures: a material takes up to 13 of the 16 that WebGPU lets a shader have; what is left is for shadow maps and cookies.
  *
- * Where the textures of a material cannot be uploaded while a scene is rendered, render() throws nothing: the material is drawn black, the
- * browser's console says why, once, and nothing is uploaded again before upload() or dispose(). Who awaits upload() first gets the error.
+ * Where the textures of a material cannot be uploaded while a scene is rendered, render() throws nothing: the material is drawn black,
+ * the browser's console says why, once, and nothing is uploaded again before upload() or dispose(). Who awaits upload() first gets the
+ * error.
  *
  * Errors are OpenBTFError of `openbtf`.
  */
@@ -52,8 +54,9 @@ export class BTFMaterial extends NodeMaterial {
     readonly repeat: Vector2;
     /**
      * Uploads the textures to the renderer's device now, once; rendering does so by itself. Of use before close(), or to see whether
-     * the device can hold them: as upload() of `openbtf/webgpu`, UNSUPPORTED or MEMORY. After a failure it tries again. UNSUPPORTED, too, of a WebGPURenderer that
-     * draws by WebGL since it found no WebGPU; USAGE of one that has not been initialised (await renderer.init()).
+     * the device can hold them: as upload() of `openbtf/webgpu`, UNSUPPORTED or MEMORY. After a failure it tries again. UNSUPPORTED,
+     * too, of a WebGPURenderer that draws by WebGL since it found no WebGPU; USAGE of one that has not been initialised (await
+     * renderer.init()).
      * @returns bytes of the textures, once the device has taken them
      */
     upload(renderer: WebGPURenderer): Promise<number>;
