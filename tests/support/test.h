@@ -81,7 +81,8 @@ static inline int run_listed(const char *name, CMFixtureFunction set_up, CMFixtu
             _cmocka_run_group_tests("numbers", listed_numbers.tests, listed_numbers.count, NULL, NULL);
     }
     if (tests_begun == 0 && failed == 0) {
-        fputs("tests/support/test.h: no test was run: the file has none, or the filter names none\n", stderr);
+        fputs("tests/support/test.h: no test was run: the file has none, or the filter names none\n",
+              stderr);
         failed = 1;
     }
     return failed;
