@@ -1,3 +1,4 @@
+# shellcheck shell=bash disable=SC2154
 # For the scripts beside this one to read (".") once they have set root, the folder of the sources.
 #
 # SPDX-License-Identifier: MIT

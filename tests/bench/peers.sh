@@ -89,6 +89,7 @@ v1)
     ;;
 *) usage 1 >&2 ;;
 esac
+# shellcheck source=tests/bench/commit.sh
 . "$root/tests/bench/commit.sh"
 at=$(commit)
 firsts=$work # what version 1 encoded is the same at any commit of these sources

@@ -69,6 +69,7 @@ for part in "$@"; do
 done
 [ $# -gt 0 ] || set -- $parts
 
+# shellcheck source=tests/bench/commit.sh
 . "$root/tests/bench/commit.sh"
 note() { # NAME: a line of made.txt
     local list=$pictures/made.txt
