@@ -9,7 +9,7 @@ btf-sample -o data $relief --format exr --quiet && btf-sample -o pairs $relief -
 encode() { # NAME OPTION...
     local name=$1
     shift
-    btf-encode data -o "$name.btf.exr" -q --preset fast --effect-tolerance 0 --budget 200000 --report "$name.json" "$@" &&
+    btf-encode data -o "$name.btf.exr" -q --preset fast --effect-tolerance 0 --budget 100000 --report "$name.json" "$@" &&
         btf-compare "$name.btf.exr" pairs --json -q >"$name.between.json" && btf-info "$name.btf.exr" --json >"$name.info.json"
 }
 expect "a fit, which is the default" 0 encode fitted
@@ -54,7 +54,7 @@ if [ -z "$light" ]; then
     expect "with threads" 0 encode again --threads 3
     expect_that "the same bytes" cmp fitted.btf.exr again.btf.exr
 fi
-expect "from a scratch file" 0 encode disk --memory "$(least_memory data --preset fast --budget 200000)"
+expect "from a scratch file" 0 encode disk --memory "$(least_memory data --preset fast --budget 100000)"
 expect_that "the same bytes" cmp fitted.btf.exr disk.btf.exr
 expect "the paper's method keeps the samples" 0 btf-encode data -o paper.btf.exr -q --method paper --starts 1 --report paper.json
 expect_text "without a word of a fit" '"options"' paper.json
