@@ -73,12 +73,15 @@ killed_at() { # MOMENT ACTION
     chmod +x wrapped
     small -o resumed --blender ./wrapped
 }
-driver='kill -KILL $(awk "/^PPid/ { print \$2 }" /proc/$PPID/status)'
+# By Blender, of its driver: it goes on when the driver is gone for sure, and stays where it is until the driver ends it.
+driver='driver=$(awk "/^PPid/ { print \$2 }" /proc/$PPID/status)'
+driver_killed="$driver; kill -KILL \$driver; while grep -q '^State:.*[^Z] (' /proc/\$driver/status 2>/dev/null; do :; done"
+driver_interrupted="$driver; kill -INT \$driver; sleep 10"
 expect 'Blender is killed' 4 killed_at '3 rename tl' KILL
 expect_text 'which is said' 'Blender ended with -9' err
-expect 'the driver is killed' 137 killed_at '4 rename tl' "$driver"
+expect 'the driver is killed' 137 killed_at '4 rename tl' "$driver_killed"
 expect 'Blender is killed before an image has its name' 4 killed_at '6 open .bake-' KILL
-expect 'interrupted' 130 killed_at '2 rename tl' "${driver/-KILL/-INT}"
+expect 'interrupted' 130 killed_at '2 rename tl' "$driver_interrupted"
 expect_text 'how to go on' 'the same command goes on' err
 expect 'the same command' 0 small -o resumed
 expect_that 'gives the same files' diff -r -x bake-done.txt whole resumed
