@@ -25,15 +25,6 @@ void cases_add(const char *input, const char *expected, bool passed, const char 
     n_failed += !passed;
 }
 
-const char *cases_text(const char *format, ...) {
-    static char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    return text;
-}
-
 void cases_skip(const char *input, const char *expected, const char *reason) {
     printf("CASE | %s | %s | skipped: %s | skip\n", input, expected, reason);
     n_cases++;

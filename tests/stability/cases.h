@@ -15,9 +15,6 @@ void cases_title(const char *title);
 void cases_add(const char *input, const char *expected, bool passed, const char *seen_format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* A text in printf style, until the next call. */
-const char *cases_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
-
 /* A case that this machine cannot run, with the reason. */
 void cases_skip(const char *input, const char *expected, const char *reason);
 

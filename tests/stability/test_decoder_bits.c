@@ -77,7 +77,7 @@ static void file_parameters(void) {
             }
             edit_free(file);
         }
-        cases_add(cases_text("parameter of a file: %s", bit_classes[k].name),
+        cases_add(told("parameter of a file: %s", bit_classes[k].name),
                   bit_classes[k].legal ? "opens; radiance finite"
                                        : "refused, part, channel and texel named",
                   ok, "%d places, e.g. %s", places, example);
@@ -128,7 +128,7 @@ static void file_scales(void) {
             btf_material_close(&material);
         }
         edit_free(file);
-        cases_add(cases_text("every class of bits in %s", list[n].name),
+        cases_add(told("every class of bits in %s", list[n].name),
                   many ? "refused by name, or 0 or of magnitude 2^-24 to 2^24"
                   : list[n].number == FROM_ONE
                       ? "refused by name, or 1 to 2^24"
@@ -331,7 +331,7 @@ static void weights(void) {
                 }
             }
         }
-        cases_add(cases_text("weights of %s", lists[k].name),
+        cases_add(told("weights of %s", lists[k].name),
                   "sum to 4096 of 4096 exactly, all neighbours exist", ok, "%d look-ups", n);
         btf_material_close(&material);
     }

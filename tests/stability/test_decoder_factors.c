@@ -7,6 +7,7 @@
 
 #include "decoder/toolkit/reference_view.h"
 #include "tests/support/factor_material.h"
+#include "tests/support/messages.h"
 #include <openbtf/reference.h>
 
 #include <math.h>
@@ -101,7 +102,7 @@ static void codes_at_bounds(void) {
                 random_material_free(&desc);
             }
         }
-        cases_add(cases_text("class %d, every code its largest or smallest", c),
+        cases_add(told("class %d, every code its largest or smallest", c),
                   "the square of the exact sum, rounded once; 0 for a negative one", ok,
                   "Y and C1, radiance %.8g", (double)seen);
     }
@@ -236,7 +237,7 @@ static void horizon(void) {
         ok = ok && worst < 1e-6 && (double)last == full;
         ok = ok && decode(&desc, BTF_REF_LINEAR, (const float[]){1, 0, 0x1.fffffep-25f}, pole, rgb) &&
              rgb[0] == 0;
-        cases_add(cases_text("a light that sinks from the pole to the horizon, domain %s",
+        cases_add(told("a light that sinks from the pole to the horizon, domain %s",
                              domain ? "sqrt" : "linear"),
                   "the same to l.z = 1 / horizonScale, then in proportion to l.z within 1e-6; no jump, "
                   "never more",

@@ -4,6 +4,7 @@
  */
 #include "cases.h"
 #include "encode.h"
+#include "tests/support/messages.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -57,7 +58,7 @@ static void check(const char *name, const enc_data *data) {
             }
             enc_data_destroy(&other);
         }
-        cases_add(cases_text("%s, by method %s", name, encode_names[method]),
+        cases_add(told("%s, by method %s", name, encode_names[method]),
                   "error at most that without noise plus 1/512", ok,
                   "%.2f dB without noise, %.2f dB with it, %.2f dB allowed", clean, worst,
                   -20 * log10(rms + sigma));

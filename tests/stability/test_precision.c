@@ -9,6 +9,7 @@
 #include "encoder/lafortune/gram.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/paper/shadow.h"
+#include "tests/support/messages.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -171,7 +172,7 @@ static void fits(void) {
             twice += refit(&at, p);
         }
         const double n = 6 * 25 * 25 * 3, loss = hard_psnr(twice, n, 1) - hard_psnr(single, n, 1);
-        cases_add(cases_text("fit of %s, refitted in double", list[i].name), "less than 0.05 dB",
+        cases_add(told("fit of %s, refitted in double", list[i].name), "less than 0.05 dB",
                   ok && loss < precision_most_loss && loss > -1e-6,
                   "%.2f dB, double %.4f dB more", hard_psnr(single, n, 1), loss);
         enc_sbrdf_destroy(&sbrdf);
@@ -321,7 +322,7 @@ static void playback(const char *what, const enc_data *data, const enc_solution 
     }
     const double n = (double)(texels * enc_data_texel_stride(data)),
                  loss = hard_psnr(squares[1], n, 1) - hard_psnr(squares[0], n, 1);
-    cases_add(cases_text("playback of %s, decoded in double", what), "less than 0.05 dB either way",
+    cases_add(told("playback of %s, decoded in double", what), "less than 0.05 dB either way",
               result == BTF_OK && fabs(loss) < precision_most_loss,
               "%.2f dB, double %.6f dB more", hard_psnr(squares[0], n, 1), loss);
     enc_sample_decoder_destroy(&decoder);

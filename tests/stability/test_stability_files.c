@@ -184,7 +184,7 @@ static void expect_renamed_refused(const saved *s, const char *part, const char 
 }
 
 static void add_refused(const char *what, const saved *s, const char *expected) {
-    cases_add(cases_text("%s, %s", what, s->name), expected, asked > 0 && asked == refused,
+    cases_add(told("%s, %s", what, s->name), expected, asked > 0 && asked == refused,
               "%d of %d refused so%s", refused, asked, complaint);
     asked = refused = 0;
     complaint[0] = 0;
@@ -329,7 +329,7 @@ static void try_attributes(const saved *s) {
             counts[open_edited(file)]++;
         }
     }
-    cases_add(cases_text("each number of the header absurd or contradictory, %s", s->name),
+    cases_add(told("each number of the header absurd or contradictory, %s", s->name),
               "refused with one message, or decodes to finite values",
               counts[WRONG] == 0 && counts[REFUSED] > 100, "%zu refused, %zu opened, %zu otherwise",
               counts[REFUSED], counts[OPENED], counts[WRONG]);

@@ -5,6 +5,7 @@
  */
 #include "cases.h"
 #include "encode.h"
+#include "tests/support/messages.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -182,7 +183,7 @@ static void dim_is_as_good(void) {
     const double bright = surface_psnr(0.6f);
     for (size_t i = 0; i < sizeof scales / sizeof *scales; i++) {
         const double dim = surface_psnr(scales[i]);
-        cases_add(cases_text("%s: a surface times %g, relative to its peak", encode_names[ENCODE_JOINT],
+        cases_add(told("%s: a surface times %g, relative to its peak", encode_names[ENCODE_JOINT],
                              (double)scales[i]),
                   "within 1 dB of the surface times 0.6, or better", dim >= bright - 1,
                   "%.1f dB, times 0.6 %.1f dB", dim, bright);

@@ -10,6 +10,7 @@
 #include "encoder/paper/flow.h"
 #include "encoder/math/kmeans.h"
 #include "encoder/paper/refine.h"
+#include "tests/support/messages.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -139,7 +140,7 @@ static void flow_pairs(void) {
         } else if (strcmp(all[i].expected, "finite") != 0) {
             ok = ok && p.error < 0.5 * p.zero;
         }
-        cases_add(cases_text("flow of a pair: %s", all[i].input), all[i].expected, ok,
+        cases_add(told("flow of a pair: %s", all[i].input), all[i].expected, ok,
                   "%.2f texels off, %zu hidden", p.error, p.hidden);
     }
 }
@@ -203,7 +204,7 @@ static void flow_votes(void) {
             }
             enc_occlusion_destroy(&o);
         }
-        cases_add(cases_text("flow of 13 views: %s", all[i].input),
+        cases_add(told("flow of 13 views: %s", all[i].input),
                   "no shift, nothing hidden; the same with 1 and 2 threads",
                   ok && moved == 0 && hidden == 0, "%zu moved, %zu hidden", moved, hidden);
         enc_data_destroy(&data);
@@ -221,7 +222,7 @@ static void flow_noise(void) {
         enc_data *data = hard_create(8, 6, &d, &d, all[i].value, &one);
         bool ok;
         enc_occlusion *o = voted(data, false, &ok);
-        cases_add(cases_text("flow of 13 views: %s", all[i].input),
+        cases_add(told("flow of 13 views: %s", all[i].input),
                   "ratios of votes within 0 and 1, the same with 1 and 2 threads", ok, "%zu of %d hidden",
                   o == NULL ? 0 : enc_occlusion_hidden_count(o, -1), 13 * 48);
         enc_occlusion_destroy(&o);
@@ -335,7 +336,7 @@ static void refine(void) {
         if (all[i].hide == hide_all || all[i].hide == hide_one_view) {
             ok = ok && freed == 0; /* no visible point, no threshold */
         }
-        cases_add(cases_text("search for hidden points: %s", all[i].input),
+        cases_add(told("search for hidden points: %s", all[i].input),
                   all[i].hide == hide_all || all[i].hide == hide_one_view
                       ? "without a visible point all stay hidden; no shift worse than none"
                       : "finite thresholds, no shift worse than none",
@@ -468,7 +469,7 @@ static void clusters(void) {
                 enc_centres_destroy(&c[r]);
             }
         }
-        cases_add(cases_text("clusters: %s", all[i].input),
+        cases_add(told("clusters: %s", all[i].input),
                   all[i].exact ? "as many centres as different points, exact but for codes"
                   : fewer      ? "the centres asked for, a storable scale, no worse than black"
                                : "the centres asked for, a storable scale, no worse than one centre a view",

@@ -14,7 +14,7 @@ extern char last_message[2048], all_messages[8192];
 extern int message_count;
 void forget_messages(void);
 
-/* A text in printf style, until the next call: what a message must hold. */
+/* A text in printf style, until the next call: what a message must hold, or what a case was seen to do. */
 const char *told(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* A log that prints messages, for tests that expect none. */
