@@ -78,11 +78,13 @@ typedef struct writer {
     const images_job *to;
     int levels;         /* codes of the format: 256 or 65536 */
     double *thresholds; /* the least value of each code but 0 */
+    const sample_pair *pairs; /* of images_write_pairs: these, and whether their names begin with a number */
+    bool numbered;
 } writer;
 
 static btf_result writer_begin(const images_job *to, writer *out_writer) {
     const int levels = to->format == IMAGES_PNG16 ? 65536 : 256;
-    *out_writer = (writer){to, levels, malloc((size_t)levels * sizeof(double))};
+    *out_writer = (writer){.to = to, .levels = levels, .thresholds = malloc((size_t)levels * sizeof(double))};
     if (!out_writer->thresholds) {
         return enc_fail(to->context, BTF_ERROR_MEMORY, "out of memory");
     }
@@ -141,32 +143,31 @@ static btf_result write_view(const writer *w, int view, float *images, void *cod
     return result;
 }
 
-btf_result images_write_grid(const images_job *to) {
-    const enc_context *context = to->context;
-    const sample_options *o = sample_scene_options(to->scene);
-    const size_t values = 3 * (size_t)o->width * o->height;
-    const int count = o->n_views + (to->truth ? 1 : 0);
-    writer w;
-    btf_result result = writer_begin(to, &w);
-    if (result != BTF_OK) {
-        return result;
-    }
+/* Makes and writes one of many: images has room for so many values as write_each was asked for. */
+typedef btf_result write_fn(const writer *w, int index, float *images, void *codes);
+
+/* Calls `write` for 0 .. count - 1 on all threads, up to the first that fails. Errors: those of `write`, BTF_ERROR_MEMORY,
+ * which is not on the log yet, and BTF_ERROR_INTERRUPTED. */
+static btf_result write_each(const writer *w, int count, size_t values, write_fn *write) {
+    const enc_context *context = w->to->context;
+    const sample_options *o = sample_scene_options(w->to->scene);
+    btf_result result = BTF_OK;
     enc_stage_begin(context, "render", (size_t)count);
 #pragma omp parallel num_threads(context->threads)
     {
-        float *images = malloc(values * (size_t)o->n_lights * sizeof *images);
-        void *codes = malloc(values * sizeof(unsigned short));
+        float *images = malloc(values * sizeof *images);
+        void *codes = malloc(3 * (size_t)o->width * (size_t)o->height * sizeof(unsigned short));
 #pragma omp for schedule(dynamic)
-        for (int view = 0; view < count; ++view) {
-            btf_result so_far;
+        for (int i = 0; i < count; ++i) {
+            btf_result one;
 #pragma omp critical(sample_write)
-            so_far = result;
-            if (so_far != BTF_OK) {
+            one = result;
+            if (one != BTF_OK) {
                 continue;
             }
-            btf_result one = !images || !codes        ? BTF_ERROR_MEMORY
-                             : enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
-                                                      : write_view(&w, view, images, codes);
+            one = !images || !codes        ? BTF_ERROR_MEMORY
+                  : enc_cancelled(context) ? BTF_ERROR_INTERRUPTED
+                                           : write(w, i, images, codes);
             if (one != BTF_OK) {
 #pragma omp critical(sample_write)
                 result = one;
@@ -177,57 +178,47 @@ btf_result images_write_grid(const images_job *to) {
         free(codes);
     }
     enc_stage_end(context);
-    free(w.thresholds);
-    if (result == BTF_ERROR_MEMORY) {
-        enc_fail(context, result, "out of memory for the %d images of a view", o->n_lights);
-    }
     return result;
 }
 
-btf_result images_write_pairs(const images_job *to, const sample_pair *pairs, int count, bool numbered) {
-    const enc_context *context = to->context;
+btf_result images_write_grid(const images_job *to) {
     const sample_options *o = sample_scene_options(to->scene);
-    const size_t values = 3 * (size_t)o->width * o->height;
     writer w;
     btf_result result = writer_begin(to, &w);
     if (result != BTF_OK) {
         return result;
     }
-    enc_stage_begin(context, "render", (size_t)count);
-#pragma omp parallel num_threads(context->threads)
-    {
-        float *image = malloc(values * sizeof *image);
-        void *codes = malloc(values * sizeof(unsigned short));
-#pragma omp for schedule(dynamic)
-        for (int i = 0; i < count; ++i) {
-            btf_result one;
-            char name[PAIRS_NAME], path[PATH_MAX];
-#pragma omp critical(sample_write)
-            one = result;
-            if (one == BTF_OK) {
-                one = !image || !codes ? BTF_ERROR_MEMORY
-                      : enc_cancelled(context)
-                          ? BTF_ERROR_INTERRUPTED
-                          : sample_scene_pair(to->scene, &pairs[i].view, &pairs[i].light, image);
-            }
-            if (one == BTF_OK) {
-                sample_camera_expose(&to->camera, i, values, image);
-            }
-            pairs_name(&pairs[i], numbered ? i : -1, name);
-            snprintf(path, sizeof path, "%s/%s.%s", to->folder, name, images_extension(to->format));
-            if (one == BTF_OK) {
-                one = write_image(&w, path, image, codes);
-            }
-            if (one != BTF_OK) {
-#pragma omp critical(sample_write)
-                result = one;
-            }
-            enc_stage_step(context, 1);
-        }
-        free(image);
-        free(codes);
-    }
-    enc_stage_end(context);
+    result = write_each(&w, o->n_views + (to->truth ? 1 : 0),
+                        3 * (size_t)o->width * (size_t)o->height * (size_t)o->n_lights, write_view);
     free(w.thresholds);
-    return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "out of memory for an image") : result;
+    return result == BTF_ERROR_MEMORY
+               ? enc_fail(to->context, result, "out of memory for the %d images of a view", o->n_lights)
+               : result;
+}
+
+static btf_result write_pair(const writer *w, int i, float *image, void *codes) {
+    const sample_options *o = sample_scene_options(w->to->scene);
+    char name[PAIRS_NAME], path[PATH_MAX];
+    const btf_result result = sample_scene_pair(w->to->scene, &w->pairs[i].view, &w->pairs[i].light, image);
+    if (result != BTF_OK) {
+        return result;
+    }
+    sample_camera_expose(&w->to->camera, i, 3 * (size_t)o->width * (size_t)o->height, image);
+    pairs_name(&w->pairs[i], w->numbered ? i : -1, name);
+    snprintf(path, sizeof path, "%s/%s.%s", w->to->folder, name, images_extension(w->to->format));
+    return write_image(w, path, image, codes);
+}
+
+btf_result images_write_pairs(const images_job *to, const sample_pair *pairs, int count, bool numbered) {
+    const sample_options *o = sample_scene_options(to->scene);
+    writer w;
+    btf_result result = writer_begin(to, &w);
+    if (result != BTF_OK) {
+        return result;
+    }
+    w.pairs = pairs;
+    w.numbered = numbered;
+    result = write_each(&w, count, 3 * (size_t)o->width * (size_t)o->height, write_pair);
+    free(w.thresholds);
+    return result == BTF_ERROR_MEMORY ? enc_fail(to->context, result, "out of memory for an image") : result;
 }
