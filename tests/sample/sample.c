@@ -467,3 +467,23 @@ done:
     }
     return BTF_OK;
 }
+
+btf_result sample_render_small(const enc_context *context, relief_kind relief, const char *views,
+                               const char *lights, int size, enc_data **out_data) {
+    sample_options o = {
+        .context = context, .relief = relief, .width = size, .height = size, .supersample = 1, .grid = 256};
+    enc_direction *v = NULL, *l = NULL;
+    *out_data = NULL;
+    btf_result result = directions_parse(context, views, &v, &o.n_views);
+    if (result == BTF_OK) {
+        result = directions_parse(context, lights, &l, &o.n_lights);
+    }
+    if (result == BTF_OK) {
+        o.views = v;
+        o.lights = l;
+        result = sample_render(&o, out_data, NULL);
+    }
+    free(v);
+    free(l);
+    return result;
+}

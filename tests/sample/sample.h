@@ -77,4 +77,9 @@ void sample_truth_destroy(sample_truth **truth);
  * Errors: as sample_scene_create. */
 btf_result sample_render(const sample_options *options, enc_data **out_data, sample_truth **out_truth);
 
+/* The same of size x size texels, a ray each, of a relief of 256 x 256 cells, from directions as directions_parse() takes
+ * them. Errors: those of both. */
+btf_result sample_render_small(const enc_context *context, relief_kind relief, const char *views,
+                               const char *lights, int size, enc_data **out_data);
+
 #endif

@@ -13,13 +13,9 @@
 #include "encoder/factor/match/search.h"
 #include "encoder/factor/method.h"
 #include "encoder/model/pack.h"
-#include "tests/sample/directions.h"
 #include "tests/sample/sample.h"
 #include "tests/support/test.h"
 #include "tests/support/uniform.h"
-
-#include <math.h>
-#include <stdlib.h>
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
@@ -519,27 +515,14 @@ TEST(test_a_survey_ends_early) {
     }
 }
 
-/* Bumps of btf-sample, ray-cast. */
-static enc_data *bumps(void) {
-    sample_options o = {.context = &two, .relief = RELIEF_BUMPS, .width = 16, .height = 16, .supersample = 1, .grid = 256};
-    enc_direction *views = NULL, *lights = NULL;
-    enc_data *data = NULL;
-    assert_int_equal(directions_parse(NULL, "0:1,40:6,65:6", &views, &o.n_views), BTF_OK);
-    assert_int_equal(directions_parse(NULL, "0:1,30:6,50:8,70:10", &lights, &o.n_lights), BTF_OK);
-    o.views = views;
-    o.lights = lights;
-    assert_int_equal(sample_render(&o, &data, NULL), BTF_OK);
-    free(views);
-    free(lights);
-    return data;
-}
-
 /* The rounds end with as many components as the plan before them holds. Where the allocation, which fills whole units,
  * holds fewer of these in another plan, the earlier plan stays, and with it the bytes of the budget are used. */
 TEST_OF_NUMBERS(test_rounds_leave_no_unit_unused) {
     static const size_t ranks[3] = {96, 48, 48};
     enum { UNIT = 16 * (16 * 16 + COLUMNS) };
-    enc_data *data = bumps();
+    enc_data *data;
+    assert_int_equal(sample_render_small(&two, RELIEF_BUMPS, "0:1,40:6,65:6", "0:1,30:6,50:8,70:10", 16, &data),
+                     BTF_OK);
     const enc_factor_matrix m = enc_factor_matrix_of(&two, data);
     int kept = 0;
     for (int units = 3; units <= 7; units++) {

@@ -50,15 +50,8 @@ TEST(test_which_can_be_left_out) {
 }
 
 static enc_data *render(relief_kind kind, const char *views, const char *lights, int size) {
-    sample_options o = {
-        .context = &context, .relief = kind, .width = size, .height = size, .supersample = 1, .grid = 256};
-    enc_direction *v = directions(views, &o.n_views), *l = directions(lights, &o.n_lights);
-    enc_data *data = NULL;
-    o.views = v;
-    o.lights = l;
-    assert_int_equal(sample_render(&o, &data, NULL), BTF_OK);
-    free(v);
-    free(l);
+    enc_data *data;
+    assert_int_equal(sample_render_small(&context, kind, views, lights, size, &data), BTF_OK);
     return data;
 }
 
