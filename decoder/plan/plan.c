@@ -147,25 +147,21 @@ typedef struct search {
     lacking lack[LACKS];
 } search;
 
-/* Fills in what the tables tell of relief and gloss left out, alone and together, whose shares add up: effects that are
- * idle are of no account. What is not known is not left out. */
+/* Fills in what the tables tell of relief and gloss left out, alone and together, whose shares add up. What the material
+ * does not hold, what is idle, and what is not known is not left out. */
 static void find_lacks(const btf_material *material, const btf_scene *scene, const btfi_error_table *t,
                        uint32_t level, uint32_t idle, lacking lack[LACKS]) {
-    static const btf_effect effects[] = {BTF_EFFECT_RELIEF, BTF_EFFECT_GLOSS};
+    const uint32_t acting = material->info.effects & BETWEEN & ~idle;
     lack[0] = (lacking){.known = true};
-    for (uint32_t set = 1; set < LACKS; set++) {
-        lack[set] = (lacking){.effects = set * BTF_EFFECT_RELIEF,
-                              .known = (set * BTF_EFFECT_RELIEF & ~(material->info.effects & ~idle)) == 0};
-        for (int e = 0; e < 2 && lack[set].known; e++) {
-            double growth[2];
-            if (!(lack[set].effects & effects[e])) {
-                continue;
-            }
-            lack[set].known = btfi_find_without(material, scene, t, level, effects[e], growth);
-            for (int i = 0; i < 2 && lack[set].known; i++) {
-                lack[set].growth[i] += growth[i];
-            }
-        }
+    for (uint32_t set = 1; set < LACKS - 1; set++) {
+        const uint32_t effect = set * BTF_EFFECT_RELIEF;
+        lack[set] = (lacking){.effects = effect};
+        lack[set].known = acting & effect && btfi_find_without(material, scene, t, level, (btf_effect)effect,
+                                                               lack[set].growth);
+    }
+    lack[3] = (lacking){.effects = BETWEEN, .known = lack[1].known && lack[2].known};
+    for (int i = 0; i < 2; i++) {
+        lack[3].growth[i] = lack[1].growth[i] + lack[2].growth[i];
     }
 }
 
