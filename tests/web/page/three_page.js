@@ -6,7 +6,7 @@ import * as THREE from 'three';
 import { open } from '/package/index.js';
 import { BTFMaterial } from '/package/three.js';
 import { bytes, report } from './post.js';
-import { build, compareOpacity, compareScenes, compareSpot, compareTwo, drawn, near, refuses } from './three_scenes.js';
+import { build, compareOpacity, compareScenes, compareSpot, compareTwo, drawn, near, refusesArguments } from './three_scenes.js';
 
 /** Textures are uploaded once, deleted, uploaded again, and come back after a lost context. */
 async function livesAndDies(renderer, scene, material) {
@@ -52,10 +52,7 @@ window.runThree = async ({ material: name, other, scenes, side }) => {
     await compareTwo(renderer, above, material, new BTFMaterial(otherBtf, { decode: { filter: 'bilinear' }, repeat: 2 }));
     await compareOpacity(renderer, scenes[0], material);
     await livesAndDies(renderer, scenes[0], material);
-    await refuses('an option that is none', /^USAGE .*picks/, () => new BTFMaterial(btf, { decode: { picks: 'all' } }));
-    await refuses('three repeats', /^USAGE repeat/, () => new BTFMaterial(btf, { repeat: [1, 2, 3] }));
-    otherBtf.close();
-    await refuses('a material that is closed', /^USAGE the material is closed/, () => new BTFMaterial(otherBtf));
+    await refusesArguments(BTFMaterial, btf, otherBtf);
     renderer.dispose();
     btf.close();
 };

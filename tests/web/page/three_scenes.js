@@ -218,7 +218,7 @@ export async function compareOpacity(renderer, scene, material) {
 }
 
 /** What a body throws, by code and message. */
-export async function refuses(name, pattern, body) {
+async function refuses(name, pattern, body) {
     let said = 'nothing is refused';
     try {
         body();
@@ -226,4 +226,12 @@ export async function refuses(name, pattern, body) {
         said = `${error.code} ${error.message}`;
     }
     await report(`${ENGINE}: refused: ${name}`, pattern.test(said) ? '' : said);
+}
+
+/** Arguments that a material of either renderer refuses. Closes `other`. */
+export async function refusesArguments(BTFMaterial, btf, other) {
+    await refuses('an option that is none', /^USAGE .*picks/, () => new BTFMaterial(btf, { decode: { picks: 'all' } }));
+    await refuses('three repeats', /^USAGE repeat/, () => new BTFMaterial(btf, { repeat: [1, 2, 3] }));
+    other.close();
+    await refuses('a material that is closed', /^USAGE the material is closed/, () => new BTFMaterial(other));
 }

@@ -6,7 +6,7 @@ import * as THREE from 'three';
 import { OpenBTFError, open } from '/package/index.js';
 import { BTFMaterial } from '/package/three_webgpu.js';
 import { bytes, report } from './post.js';
-import { build, compareOpacity, compareScenes, compareSpot, compareTwo, drawn, far, near, refuses } from './three_scenes.js';
+import { build, compareOpacity, compareScenes, compareSpot, compareTwo, drawn, far, near, refusesArguments } from './three_scenes.js';
 
 /** Textures are uploaded once, destroyed, uploaded again, and belong to a device each. */
 async function livesAndDies(renderer, scene, material) {
@@ -121,10 +121,7 @@ window.runThree = async ({ material: name, other, scenes, side }) => {
     halves.dispose();
     await livesAndDies(renderer, scenes[0], material);
     await survivesRefusal(renderer, scenes[0], material);
-    await refuses('an option that is none', /^USAGE .*picks/, () => new BTFMaterial(btf, { decode: { picks: 'all' } }));
-    await refuses('three repeats', /^USAGE repeat/, () => new BTFMaterial(btf, { repeat: [1, 2, 3] }));
-    otherBtf.close();
-    await refuses('a material that is closed', /^USAGE the material is closed/, () => new BTFMaterial(otherBtf));
+    await refusesArguments(BTFMaterial, btf, otherBtf);
     renderer.dispose();
     btf.close();
 };
