@@ -45,12 +45,13 @@ typedef struct enc_leave_one_out {
     enc_bands view_bands, light_bands;
 } enc_leave_one_out;
 
-/* Measures levels 0 .. levels - 1 of `material` (NULL: the data alone), which must have the data's size and directions, beside
- * the data, filtered to the level, into out[levels]: at a subset of texels and of pairs of view and light, spread evenly over
- * the bands, that depends on nothing but the data's extent: about a second of one core for level 0. A further level
- * takes the share of that which its texels drawn are (ENC_LEFT_OUT_OF_LEVEL): levels 1 to 4 together half at most, each level
- * beyond them a sixteenth at most; and filtering takes a pass over the data. Deterministic for any number of threads and ranks. Stage "leave one out". Errors: those of the data and of
- * enc_level_each, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+/* Measures levels 0 .. levels - 1 of `material` (NULL: the data alone), which must have the data's size and directions,
+ * beside the data, filtered to the level, into out[levels]: at a subset of texels and of pairs of view and light, spread
+ * evenly over the bands, that depends on nothing but the data's extent: about a second of one core for level 0. A further
+ * level takes the share of that which its texels drawn are (ENC_LEFT_OUT_OF_LEVEL): levels 1 to 4 together half at most, each
+ * level beyond them a sixteenth at most; and filtering takes a pass over the data. Deterministic for any number of threads
+ * and ranks. Stage "leave one out". Errors: those of the data and of enc_level_each, BTF_ERROR_MEMORY,
+ * BTF_ERROR_INTERRUPTED. */
 btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data *data,
                                      const btf_material *material, int levels, enc_leave_one_out *out);
 
