@@ -263,9 +263,18 @@ static double write_range(const plot *p, int k, const char *axis, FILE *file) {
     return most > 0 ? most / least : 1;
 }
 
+/* Labels 2 and 5 of each decade as well, where the largest value is only so many times the smallest. */
+static void write_between_decades(double times, const char *axis, FILE *file) {
+    if (times < 300) {
+        fprintf(file,
+                "set %stics add (0.0002, 0.0005, 0.002, 0.005, 0.02, 0.05, 0.2, 0.5, 2, 5, 20, 50, 200, 500, 2000, 5000)\n",
+                axis);
+    }
+}
+
 static void write_panel(const plot *p, int k, const char *name, FILE *file) {
     if (p->log_y) {
-        write_range(p, k, "y", file);
+        write_between_decades(write_range(p, k, "y", file), "y", file);
     }
     const int columns = p->panels > 1 ? 2 : 1, rows = p->panels > 2 ? 2 : 1;
     const double width = 0.75 / columns, height = (rows == 1 ? 0.92 : 0.94) / rows;
@@ -322,13 +331,8 @@ static void write_script(const plot *p, const char *name, FILE *file) {
         "set xlabel '%s' noenhanced\n",
         name, name, p->title, p->x_label);
     if (p->log_x) {
-        const double wide = write_range(p, -1, "x", file);
         fputs("set logscale x\nset format x '%g'\n", file);
-        if (wide < 300) {
-            fputs("set xtics add (0.002, 0.005, 0.02, 0.05, 0.2, 0.5, 2, 5, 20, 50, 200, 500, 2000, "
-                  "5000)\n",
-                  file);
-        }
+        write_between_decades(write_range(p, -1, "x", file), "x", file);
     }
     if (p->log_y) {
         fputs("set logscale y\nset format y '%g'\n", file);
