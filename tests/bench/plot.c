@@ -278,12 +278,12 @@ static void write_panel(const plot *p, int k, const char *name, FILE *file) {
     }
     const int columns = p->panels > 1 ? 2 : 1, rows = p->panels > 2 ? 2 : 1;
     const double width = 0.75 / columns, height = (rows == 1 ? 0.92 : 0.94) / rows;
-    const double left = 0.075 + (k % columns) * (width + 0.0),
+    const double left = 0.085 + (k % columns) * width,
                  top = (rows == 1 ? 0.90 : 0.93) - (k / columns) * height;
     fprintf(file,
             "set lmargin at screen %.3f\nset rmargin at screen %.3f\nset tmargin at screen %.3f\n"
             "set bmargin at screen %.3f\nset title '%s' noenhanced\nset ylabel '%s' noenhanced\n",
-            left, left + width - 0.075, top - 0.03, top - height + (rows == 1 ? 0.14 : 0.11),
+            left, left + width - 0.085, top - 0.03, top - height + (rows == 1 ? 0.14 : 0.11),
             p->panel[k].title, p->panel[k].y_label);
     fprintf(file, k == 0 ? "set key at screen 0.765,0.90 left top Left reverse samplen 2 spacing 1.15\n"
                          : "unset key\n");
