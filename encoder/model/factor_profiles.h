@@ -17,8 +17,8 @@ enum { ENC_FACTOR_BLOCK = 48 }; /* texels at a time, at most */
 enc_factor_profiles *enc_factor_profiles_create(const enc_solution *solution, size_t view, uint32_t units);
 void enc_factor_profiles_destroy(enc_factor_profiles **profiles);
 
-/* out[i][channel R, G, B][light] of texels sources[0 .. count - 1]: the residual of FORMAT.md section 9.
- * One thread at a time. */
+/* Decodes the residual (FORMAT.md section 9) of texels sources[0 .. count - 1]: out[i][R, G, B][light]. One
+ * thread at a time. */
 void enc_factor_profiles_get(enc_factor_profiles *profiles, const size_t *sources, size_t count,
                              float *out);
 
