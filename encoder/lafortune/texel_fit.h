@@ -28,7 +28,7 @@ typedef struct enc_fit_options {
     float t_error;       /* threshold_error of paper 2.1; default 0.3 */
     float t_btf;         /* threshold_BTF of paper 2.1, on linear luminance; default 0.3 */
     int starts;          /* starts of a texel's first fit, 1 .. ENC_FIT_MAX_STARTS; default 4 */
-    double tolerance;    /* stop after two steps that gain less than this part of the cost; default 1e-3 */
+    double tolerance;    /* stop after two steps that gain less than this share of the cost; default 1e-3 */
     int max_evaluations; /* passes over the samples from one start; default 60 */
 } enc_fit_options;
 

@@ -42,7 +42,7 @@ typedef struct enc_fit_choice {
     size_t texels;       /* that were drawn */
 } enc_fit_choice;
 
-/* Means of squares for a candidate, in one of the two codings. */
+/* Means of squares for a candidate in one of the two codings, linear or sRGB. */
 typedef struct enc_fit_moved {
     double error, fitted; /* with samples left out: of the barycentric blend, of the fit */
     double move, moves;   /* of the fit's move: with samples left out, between the samples */
