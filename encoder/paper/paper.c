@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Shifts and hidden flags as the maps of a solution. */
+/* Moves shifts and hidden flags to the maps of a solution. */
 static btf_result take_occlusion(const enc_context *context, const enc_occlusion *occlusion,
                                  enc_solution *s) {
     const size_t points = (size_t)s->n_views * enc_solution_texels(s);
