@@ -19,11 +19,12 @@ typedef struct enc_bands {
  * between rings, the first at the pole, the last on the outermost ring. */
 enc_bands enc_bands_make(const enc_direction *directions, int count);
 
-/* The directions of a band, indices in rising order; returns how many. */
+/* Lists the directions of a band, indices in rising order; returns how many there are. */
 int enc_bands_members(const enc_bands *bands, int band, const enc_direction *directions, int count,
                       int out_members[ENC_MAX_DIRECTIONS]);
 
-/* The numbers that a table begins with: counts and limits of both. Returns where its rows begin. */
+/* Writes the numbers that a table begins with: counts and limits of both kinds of bands. Returns where its
+ * rows begin. */
 float *enc_bands_write(const enc_bands *views, const enc_bands *lights, float *out);
 
 #endif
