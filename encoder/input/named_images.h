@@ -21,9 +21,10 @@ typedef struct enc_named_image {
     size_t source;
 } enc_named_image;
 
-/* Finds the images of a source and their directions, in its order, and tells of names that are not understood or doubtful.
- * Angles within ENC_NAMED_SAME of each other get one value. *out_images is malloc'ed, after an error too (or NULL). Errors:
- * BTF_ERROR_BAD_FILE (names that no rule reads for sure, no image, a theta of 90 degrees or more), BTF_ERROR_MEMORY. */
+/* Finds the images of a source and their directions, in its order, and warns of names that are doubtful or
+ * not understood. Angles within ENC_NAMED_SAME of each other get one value. *out_images is malloc'ed, after
+ * an error too (or NULL). Errors: BTF_ERROR_BAD_FILE (names that no rule reads for sure, no image, a theta
+ * of 90 degrees or more), BTF_ERROR_MEMORY. */
 btf_result enc_named_images_find(const enc_context *context, const enc_source *source,
                                  const enc_read_options *options, enc_named_image **out_images,
                                  size_t *out_count);

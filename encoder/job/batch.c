@@ -23,7 +23,7 @@ static bool ends_with(const char *text, const char *end) {
     return a > b && strcasecmp(text + a - b, end) == 0;
 }
 
-/* Whether a file is of a kind that its first bytes tell: an archive, an image or a Bonn file is no list,
+/* Whether the first bytes of a file show that it is an archive, an image or a Bonn file, and so no list,
  * whatever its ending. */
 static bool has_other_content(const char *path) {
     static const char *const signatures[] = {

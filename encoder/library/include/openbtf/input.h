@@ -1,16 +1,16 @@
 /* OpenBTF: data sets of BTFs as images in linear light, whatever they are stored in.
  *
  * Reads what btf-encode reads: folders and archives of images whose names say the directions (UBO2003, UTIA and
- * others) or of which a table does, and Bonn's binary .btf files (encoder/INPUTS.md of the source). A library of its own,
- * libopenbtf_input, since it needs what image files and archives need; it takes no MPI and makes no material.
+ * others) or of which a table does, and Bonn's binary .btf files (encoder/INPUTS.md of the source). A library of its
+ * own, libopenbtf_input, since it needs what image files and archives need; it takes no MPI and makes no material.
  *
  * Directions are unit vectors of the tangent frame (x along +u, y along +v, z the normal), to the viewer and to the
  * light, in paper order: theta ascending, then phi ascending from 0. Values are linear Rec. 709 radiance over
  * (normal-incidence irradiance / pi), cosine included: a white Lambertian surface gives l.z. They are never below 0.
  *
  * Thread rule: any number of threads may read images of one btf_input at the same time; calls for an archive or a Bonn
- * file wait for one another. Messages
- * go to the log of the call, one at a time, and may come from threads that the call made. No handler of signals is installed.
+ * file wait for one another. Messages go to the log of the call, one at a time, and may come from threads that the
+ * call made. No handler of signals is installed.
  *
  * SPDX-License-Identifier: MIT
  */
