@@ -44,9 +44,9 @@ struct enc_data_origin {
 /* One BTF. Samples are float32, linear Rec. 709 radiance over (normal-incidence irradiance / pi),
  * cosine included: a white Lambertian lit from l holds l.z.
  *
- * Sample order, innermost last: [texel][view][channel][light], texel = row * width + column, row 0 at
- * the top of the image (+v), channel 0..2 = R, G, B. So the light profile of (texel, view) is
- * 3 * n_lights contiguous floats, and all samples of a texel are n_views * 3 * n_lights.
+ * Sample order, innermost last: [texel][view][channel][light], texel = row * width + column, row 0 at the
+ * top of the image (+v), channel 0..2 = R, G, B. So the light profile of (texel, view) is 3 * n_lights
+ * contiguous floats, and all samples of a texel are n_views * 3 * n_lights.
  *
  * Directions are in paper order: theta ascending, then phi ascending from 0. Both lists hold up to
  * ENC_MAX_DIRECTIONS, need not be equal, and have no duplicates. */
@@ -81,12 +81,11 @@ static inline size_t enc_data_texel_stride(const enc_data *data) {
     return (size_t)data->n_views * 3 * (size_t)data->n_lights;
 }
 
-/* Makes a BTF of zeros with copies of the direction lists. Samples are held in memory when they fit
- * half of context->memory (0: always), else in an unlinked scratch file in $TMPDIR (default /var/tmp),
- * whose size is announced and checked against free space first. The ranks share one scratch
- * file instead; each stores a part of the samples, and then all meet in enc_data_complete.
- * Errors: BTF_ERROR_USAGE (sizes; more than context->memory, by context->least_memory),
- * BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file, free space). */
+/* Makes a BTF of zeros with copies of the direction lists. Samples are held in memory when they fit half of
+ * context->memory (0: always), else in an unlinked scratch file in $TMPDIR (default /var/tmp), whose size
+ * is announced and checked against free space first. The ranks share one scratch file instead; each stores
+ * a part of the samples, and then all meet in enc_data_complete. Errors: BTF_ERROR_USAGE (sizes; more than
+ * context->memory, by context->least_memory), BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file, free space). */
 btf_result enc_data_create(const enc_context *context, int width, int height, int n_views,
                            const enc_direction *views, int n_lights, const enc_direction *lights,
                            enc_data **out_data);

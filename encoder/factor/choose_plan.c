@@ -104,7 +104,8 @@ btf_result enc_choose_plan(const enc_factor_matrix *m, const enc_components comp
     }
     for (int i = 0; i < count && count > 1; i++) {
         double error;
-        const btf_result result = error_of(m, components, &plans[i], sweeps < MOST_SWEEPS ? sweeps : MOST_SWEEPS, &error);
+        const btf_result result =
+            error_of(m, components, &plans[i], sweeps < MOST_SWEEPS ? sweeps : MOST_SWEEPS, &error);
         if (result != BTF_OK) {
             return result;
         }

@@ -14,7 +14,8 @@ typedef struct enc_factor_place {
     uint8_t word;  /* 0 .. 3 of its unit */
     uint8_t index; /* in the word */
     uint16_t unit, u_texel;
-    uint16_t group; /* 4 * unit + word, of the word whose scale it has: the first of the unit where one scale
+    uint16_t
+        group; /* 4 * unit + word, of the word whose scale it has: the first of the unit where one scale
                        serves all four */
 } enc_factor_place;
 

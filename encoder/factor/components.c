@@ -43,9 +43,10 @@ static double deviation(size_t rank, const double *gram) {
     return most;
 }
 
-/* Makes rows orthonormal by two rounds of Cholesky QR (Yamamoto, Nakatsukasa, Yanagisawa and Fukaya 2015), whose Gram matrices are
- * in double: the rows of a random product are almost parallel. Where the data have far fewer components
- * than rows are wanted, most rows are rounding of others, and a round or two more are needed. */
+/* Makes rows orthonormal by two rounds of Cholesky QR (Yamamoto, Nakatsukasa, Yanagisawa and Fukaya 2015),
+ * whose Gram matrices are in double: the rows of a random product are almost parallel. Where the data have
+ * far fewer components than rows are wanted, most rows are rounding of others, and a round or two more are
+ * needed. */
 bool enc_components_orthonormalise(const enc_factor_matrix *m, size_t rank, size_t count, float *x) {
     double *gram = malloc(2 * rank * rank * sizeof *gram), *inverse = gram ? gram + rank * rank : NULL;
     float *turn = malloc(rank * rank * sizeof *turn);

@@ -18,8 +18,8 @@ btf_result enc_factorise(const enc_factor_matrix *matrix, uint64_t budget, doubl
                          enc_components out_components[ENC_FACTOR_CHANNELS], enc_factor_plan *out_plan,
                          enc_unspent *out_unspent);
 
-/* The bytes that each of two candidates may use: those that pay without match; where these leave less than a unit of the
- * budget, the budget. */
+/* The bytes that each of two candidates may use: those that pay without match; where these leave less than
+ * a unit of the budget, the budget. */
 uint64_t enc_factorise_equal_bytes(const enc_factor_matrix *matrix, uint64_t budget,
                                    const enc_unspent *unspent);
 

@@ -318,7 +318,8 @@ static btf_result add_block(const enc_factor_matrix *m, const enc_factor_set *u,
     }
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
     for (size_t at = begin; at < end; at += SPAN) {
-        multiply_columns(m, u, packed, count, at, end - at < SPAN ? end - at : SPAN, split, panels + enc_thread_index() * SPAN * BLOCK, out);
+        multiply_columns(m, u, packed, count, at, end - at < SPAN ? end - at : SPAN, split,
+                         panels + enc_thread_index() * SPAN * BLOCK, out);
     }
     return BTF_OK;
 }

@@ -51,8 +51,7 @@ typedef struct enc_factor_set {
 } enc_factor_set;
 
 /* Computes out [rank][texel] = w A^T of each channel. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO,
- * BTF_ERROR_INTERRUPTED.
- */
+ * BTF_ERROR_INTERRUPTED. */
 btf_result enc_factor_times_w(const enc_factor_matrix *matrix, const enc_factor_set *w,
                               const enc_factor_set *out);
 /* Computes out [rank][column] = u A of each channel. Errors as above. */

@@ -20,7 +20,8 @@ typedef struct enc_factors_settings {
      * others, times a gain with BTF_EFFECT_GAIN; a file then holds both, and the gains are 1 without it. Not
      * read where `choose` is set. */
     uint32_t effects;
-    bool choose; /* take shift and gain where a survey says that they may pay and an encode shows that they do
+    bool
+        choose; /* take shift and gain where a survey says that they may pay and an encode shows that they do
                     at the same bytes; else neither */
     double tolerance; /* dB that a tenth more bytes must gain at samples left out of the fit; 0: the budget
                          is filled */

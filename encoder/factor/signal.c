@@ -344,7 +344,8 @@ btf_result enc_signal_find(const enc_factor_matrix *m, const enc_components comp
     if (room && is_small(m)) {
         for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
             const double *energy = components[c].energy;
-            for (size_t j = 0; asked[c] && j < components[c].rank && energy[j] > ENC_COMPONENTS_ROUNDING * energy[0]; j++) {
+            for (size_t j = 0;
+                 asked[c] && j < components[c].rank && energy[j] > ENC_COMPONENTS_ROUNDING * energy[0]; j++) {
                 io->share[c][j] = 1;
                 io->rank[c] = j + 1;
             }

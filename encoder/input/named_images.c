@@ -96,7 +96,8 @@ typedef struct name_list {
     bool dash_is_minus;
     size_t plain; /* the first name that says that a dash is a minus */
     size_t n_frames, frame;
-    size_t n_dashes[ENC_NAME_KEYS], dash[ENC_NAME_KEYS]; /* how many names have a dash right behind this key,
+    size_t n_dashes[ENC_NAME_KEYS],
+        dash[ENC_NAME_KEYS]; /* how many names have a dash right behind this key,
                                                             and the first */
 } name_list;
 

@@ -29,8 +29,8 @@ btf_result enc_named_images_find(const enc_context *context, const enc_source *s
                                  const enc_read_options *options, enc_named_image **out_images,
                                  size_t *out_count);
 
-/* The azimuth that options make of a given one, degrees in [0, 360), on a grid of 1e-9 degrees so that 360 - tiny does not
- * differ from 0. */
+/* The azimuth that options make of a given one, degrees in [0, 360), on a grid of 1e-9 degrees so that 360
+ * - tiny does not differ from 0. */
 double enc_named_azimuth(const enc_read_options *options, double theta, double phi);
 
 /* Degrees within which two angles are one. */

@@ -9,9 +9,9 @@
 #include "encoder/data/data.h"
 
 /* Reads a Bonn .btf file (bonn/reader.h), or a directory or an archive of images whose names say tl, pl, tv
- * and pv (names.h, source.h), or of which a table does (names_table.h), into a BTF. Directions are brought to
- * paper order: theta ascending, then phi ascending from 0. The images have to be one full
- * grid of views and lights, of one size, with a view within 5 degrees of the pole.
+ * and pv (names.h, source.h), or of which a table does (names_table.h), into a BTF. Directions are brought
+ * to paper order: theta ascending, then phi ascending from 0. The images have to be one full grid of views
+ * and lights, of one size, with a view within 5 degrees of the pole.
  *
  * Every image is read and decoded once (the first twice). Memory, besides enc_data's own samples (in memory
  * up to half of context->memory, else in its scratch file): the linear images of one block, 12 bytes a

@@ -26,8 +26,8 @@ struct enc_source {
     const char *location; /* the folder or archive that holds the paths, for messages */
 
     /* Reads a whole file: *out_data is malloc'ed, the caller frees. Failures are described in
-     * message[message_size], since this may run on a thread that must not log.
-     * Errors: BTF_ERROR_IO, BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (size), BTF_ERROR_MEMORY. */
+     * message[message_size], since this may run on a thread that must not log. Errors: BTF_ERROR_IO,
+     * BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (size), BTF_ERROR_MEMORY. */
     btf_result (*read)(enc_source *source, size_t index, void **out_data, size_t *out_size, char *message,
                        size_t message_size);
     void (*close)(enc_source *source);

@@ -243,7 +243,8 @@ static double factor_levels(const counts *c, double further_share, const enc_fac
     const double columns = c->views * c->lights, side = fmin(c->texels, columns);
     const double luma = fmin((double)settings->budget * 8 / 3.2 / (c->texels + columns), side);
     return further_share * (c->samples * per_split + c->texels * columns * 1.25 * luma * per_product +
-                            (ENC_FACTORS_LEVEL_SWEEPS + ENC_FACTORS_FIT_SWEEPS) * c->texels * luma * luma * per_level_square) +
+                            (ENC_FACTORS_LEVEL_SWEEPS + ENC_FACTORS_FIT_SWEEPS) * c->texels * luma * luma *
+                                per_level_square) +
            luma * luma * columns * per_square;
 }
 
@@ -261,8 +262,9 @@ static double left_out_texels(double texels, int levels) {
     return sum;
 }
 
-/* Evaluations of all levels for the table of effect errors: a coarser one has as many as level 0, up to its own limit. One of
- * fewer than four texels has fewer, since a texel is shown by at most 16 pairs of directions in a pair of bands. */
+/* Evaluations of all levels for the table of effect errors: a coarser one has as many as level 0, up to its
+ * own limit. One of fewer than four texels has fewer, since a texel is shown by at most 16 pairs of
+ * directions in a pair of bands. */
 static double effect_evaluations(const counts *c, int levels) {
     double sum = 0;
     for (int level = 0; level < levels; level++) {

@@ -84,7 +84,8 @@ ENC_INLINE void multiply_tile_wide(enc_v16 (*a)[VECTORS], enc_v16 (*b)[VECTORS],
     sum[12] = s30, sum[13] = s31, sum[14] = s32, sum[15] = s33;
 }
 
-/* The sums of multiply_tile_wide with eight accumulators of half the lanes at a time, for machines with 16 registers. */
+/* Adds the sums of multiply_tile_wide by eight accumulators of half the lanes at a time: for machines with
+ * 16 registers. */
 ENC_INLINE void multiply_tile_narrow(enc_v16 (*a)[VECTORS], enc_v16 (*b)[VECTORS], enc_v16 sum[16]) {
     typedef float v8 __attribute__((vector_size(32), may_alias));
     enum { STEP = 2 }; /* halves a vector */

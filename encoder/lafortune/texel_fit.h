@@ -35,10 +35,9 @@ typedef struct enc_fit_options {
 /* The defaults above. */
 enc_fit_options enc_fit_options_default(void);
 
-/* Samples of one texel, planar. `product` is l * v by component. The model of a sample is
- * multiplier * colour model of sbrdf.h; multiplier holds m(l) and whatever else scales the sample (shadow,
- * gain). A weight of NULL counts as 1. Multipliers, targets and weights are finite
- * and >= 0. */
+/* Samples of one texel, planar. `product` is l * v by component. The model of a sample is multiplier *
+ * colour model of sbrdf.h; multiplier holds m(l) and whatever else scales the sample (shadow, gain). A
+ * weight of NULL counts as 1. Multipliers, targets and weights are finite and >= 0. */
 typedef struct enc_fit_samples {
     size_t n;
     const float *product[3];

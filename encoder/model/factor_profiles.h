@@ -13,7 +13,8 @@ typedef struct enc_factor_profiles enc_factor_profiles;
 
 enum { ENC_FACTOR_BLOCK = 48 }; /* texels at a time, at most */
 
-/* Makes the profiles of the first `units` units (at least one), which point into the solution. NULL when out of memory. */
+/* Prepares the profiles of one view by the first `units` units (at least one); keeps pointers into the
+ * solution. NULL when out of memory. */
 enc_factor_profiles *enc_factor_profiles_create(const enc_solution *solution, size_t view, uint32_t units);
 void enc_factor_profiles_destroy(enc_factor_profiles **profiles);
 

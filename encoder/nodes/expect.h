@@ -61,8 +61,7 @@ bool enc_fit_allowed(const enc_fit_choice *choice, const enc_fit_candidate *cand
  * sRGB-coded, that it loses at them beside choice->coder. */
 double enc_fit_value(const enc_fit_choice *choice, const enc_fit_candidate *candidate);
 
-/* The error that is expected of a candidate when a coder of error `coder` at the samples has coded it.
- */
+/* The error that is expected of a candidate when a coder of error `coder` at the samples has coded it. */
 enc_fit_error enc_fit_coded_at(const enc_fit_candidate *candidate, enc_fit_error coder);
 enc_fit_error enc_fit_coded_between(const enc_fit_candidate *candidate, enc_fit_error coder);
 

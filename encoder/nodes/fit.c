@@ -26,8 +26,8 @@ struct enc_node_fit {
     double *target; /* B^T R, [count][count], of their spline weights R */
 };
 
-/* Point k of n that spread evenly over the cap about the pole down to z: a spiral that turns by the golden angle (Swinbank
- * and Purser 2006). */
+/* Point k of n that spread evenly over the cap about the pole down to z: a spiral that turns by the golden
+ * angle (Swinbank and Purser 2006). */
 static void cap_point(int k, int n, double z, float out[3]) {
     static const double turn = 2.39996322972865332; /* the golden angle */
     const double height = 1 - (k + 0.5) / n * (1 - z), radius = sqrt(fmax(0, 1 - height * height));

@@ -3,9 +3,10 @@
  *
  * A decoder blends barycentrically the values f' of three nodes. f' = W f is fitted to the samples f: W
  * minimises the squared difference between the blend of W and the weights of the cubic spline over the hull
- * of the directions, plus kappa times that at the nodes themselves (least squares with Tikhonov's regularisation, 1963):
- * (B^T B + l) W = B^T R + l, of barycentric weights B and spline weights R of points of the hull, l = kappa points / nodes. Large kappa keeps
- * the samples (W = 1), kappa 0 departs from them most. W depends on the directions alone; its rows sum to 1.
+ * of the directions, plus kappa times that at the nodes themselves (least squares with Tikhonov's
+ * regularisation, 1963): (B^T B + l) W = B^T R + l, of barycentric weights B and spline weights R of points
+ * of the hull, l = kappa points / nodes. Large kappa keeps the samples (W = 1), kappa 0 departs from them
+ * most. W depends on the directions alone; its rows sum to 1.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether the point that the weights stand for, in the stereographic plane, is near enough to direction i.
- */
+/* Whether the point that the weights stand for, in the stereographic plane, is near enough to direction
+ * i. */
 static bool reaches(const enc_direction *directions, int count, int i, const enc_weights *w) {
     double own[2], other[2], found[2] = {0, 0}, least = HUGE_VAL;
     enc_stereographic(directions[i].xyz, own);

@@ -12,8 +12,8 @@
 #include "encoder/data/data.h"
 
 enum {
-    ENC_WARP_ONE = 256,     /* a texel, as positions and heights count */
-    ENC_WARP_WEIGHT = 4096, /* a weight of 1, and a slope of one texel across for each texel of height */
+    ENC_WARP_ONE = 256,       /* a texel, as positions and heights count */
+    ENC_WARP_WEIGHT = 4096,   /* a weight of 1, and a slope of one texel across for each texel of height */
     ENC_WARP_FARTHEST = 4096, /* texels that a march may leave the image by, on each side: 128 texels of
                                 height at the greatest slope, and back along another view */
 };

@@ -16,7 +16,7 @@
 static const float most_difference = 0.5f; /* beyond it, a sample is an outlier */
 static const float step_penalty = 0.03f;   /* neighbours one step apart */
 static const float jump_penalty = 0.2f;    /* neighbours further apart */
-static const float equal_sums = 1e-5f;     /* sums over paths that differ by less count as equal: nothing but
+static const float equal_sums = 1e-5f; /* sums over paths that differ by less count as equal: nothing but
                                               rounding tells them apart */
 static const float never = 1e9f;
 

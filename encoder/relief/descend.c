@@ -20,8 +20,7 @@ enum {
 };
 
 /* Penalty of the total variation: for a difference of one texel in height between neighbours, as a share of
- * a flat surface's mean squared error at a texel. Measured with the penalties of
- * sweep.c, see there. */
+ * a flat surface's mean squared error at a texel. Measured with the penalties of sweep.c, see there. */
 static const double variation = 0.02;
 static const int32_t variation_most = 4 * ENC_WARP_ONE;
 
@@ -64,8 +63,8 @@ ENC_CLONES static float square_of(const float a[K], const float b[K]) {
     return sum;
 }
 
-/* Squared error of view number i at a texel of its image, with another height of one texel of the surface.
- */
+/* Squared error of view number i at a texel of its image, with another height of one texel of the
+ * surface. */
 static float error_at(const descent *d, int i, size_t pixel, size_t changed, int32_t height) {
     const enc_seen_view *s = &d->seen->of[i];
     enc_seen_point point;

@@ -21,8 +21,8 @@ typedef struct enc_seen {
     enc_seen_view of[ENC_MAX_DIRECTIONS];
 } enc_seen;
 
-/* All views that can be left out with a theta of least to most degrees. Errors: those of enc_left_out_make.
- */
+/* All views that can be left out with a theta of least to most degrees. Errors: those of
+ * enc_left_out_make. */
 btf_result enc_seen_make(const enc_context *context, const enc_direction *views, int count,
                          double least_theta, double most_theta, enc_seen *out_seen);
 

@@ -19,8 +19,8 @@
 
 enum { SUMS = 8, WITHOUT_RELIEF = 4, WITHOUT_GLOSS = 8 /* in the numbers of rows */ };
 
-/* The directions of a band from which pairs are drawn: those that can be left out, or all where none can.
- */
+/* The directions of a band from which pairs are drawn: those that can be left out, or all where none
+ * can. */
 typedef struct pool {
     int count, member[ENC_MAX_DIRECTIONS]; /* in the list */
     bool can_leave; /* each member lies among the other directions, and `near` has its neighbours there */

@@ -30,8 +30,12 @@ typedef struct enc_left_out_errors {
     enc_error_sum data; /* the data themselves, interpolated without the sample */
 } enc_left_out_errors;
 
-enum { ENC_LEFT_OUT_TEXELS = 1024, ENC_LEFT_OUT_PAIRS = 256 }; /* drawn at most: texels, and pairs for each */
-/* Texels that are drawn at most of a level: of level 1 a quarter of those of level 0, then half as many each, down to 64. */
+enum {
+    ENC_LEFT_OUT_TEXELS = 1024,
+    ENC_LEFT_OUT_PAIRS = 256
+}; /* drawn at most: texels, and pairs for each */
+/* Texels that are drawn at most of a level: of level 1 a quarter of those of level 0, then half as many
+ * each, down to 64. */
 #define ENC_LEFT_OUT_OF_LEVEL(level)                                                                       \
     ((level) == 0 ? ENC_LEFT_OUT_TEXELS : (level) < 3 ? ENC_LEFT_OUT_TEXELS >> ((level) + 1) : 64)
 
@@ -45,13 +49,13 @@ typedef struct enc_leave_one_out {
     enc_bands view_bands, light_bands;
 } enc_leave_one_out;
 
-/* Measures levels 0 .. levels - 1 of `material` (NULL: the data alone), which must have the data's size and directions,
- * beside the data, filtered to the level, into out[levels]: at a subset of texels and of pairs of view and light, spread
- * evenly over the bands, that depends on nothing but the data's extent: about a second of one core for level 0. A further
- * level takes the share of that which its texels drawn are (ENC_LEFT_OUT_OF_LEVEL): levels 1 to 4 together half at most, each
- * level beyond them a sixteenth at most; and filtering takes a pass over the data. Deterministic for any number of threads
- * and ranks. Stage "leave one out". Errors: those of the data and of enc_level_each, BTF_ERROR_MEMORY,
- * BTF_ERROR_INTERRUPTED. */
+/* Measures levels 0 .. levels - 1 of `material` (NULL: the data alone), which must have the data's size and
+ * directions, beside the data, filtered to the level, into out[levels]: at a subset of texels and of pairs
+ * of view and light, spread evenly over the bands, that depends on nothing but the data's extent: about a
+ * second of one core for level 0. A further level takes the share of that which its texels drawn are
+ * (ENC_LEFT_OUT_OF_LEVEL): levels 1 to 4 together half at most, each level beyond them a sixteenth at most;
+ * and filtering takes a pass over the data. Deterministic for any number of threads and ranks. Stage "leave
+ * one out". Errors: those of the data and of enc_level_each, BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_leave_one_out_measure(const enc_context *context, const enc_data *data,
                                      const btf_material *material, int levels, enc_leave_one_out *out);
 

@@ -19,8 +19,9 @@ typedef struct enc_match_bases {
     float *basis;
 } enc_match_bases;
 
-/* Finds the bases from at most 512 texels, spread over the texture. Ranks share the views here and in the functions
- * below, and all meet in them, except where the context has no ranks. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+/* Finds the bases from at most 512 texels, spread over the texture. Ranks share the views here and in the
+ * functions below, where all of them meet unless the context has no ranks. Errors: BTF_ERROR_MEMORY,
+ * BTF_ERROR_INTERRUPTED. */
 btf_result enc_match_find_bases(const enc_factor_matrix *matrix, enc_match_bases *out_bases);
 void enc_match_bases_clear(enc_match_bases *bases);
 

@@ -50,8 +50,7 @@ static inline float enc_match_gain(const enc_match *match, size_t view, size_t t
 }
 
 /* Makes a match in which every texel is its own source. gains: whether the first search is to try gains.
- * Errors: BTF_ERROR_MEMORY.
- */
+ * Errors: BTF_ERROR_MEMORY. */
 btf_result enc_match_create(const enc_context *context, int width, int height, size_t views, bool gains,
                             enc_match *out_match);
 void enc_match_clear(enc_match *match);

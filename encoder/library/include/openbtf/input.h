@@ -86,9 +86,11 @@ typedef struct btf_input_info {
  * factors are mapped. *out_input is closed with btf_input_close. Errors, with file names and counts on @p log:
  * BTF_ERROR_USAGE (an option), BTF_ERROR_IO, BTF_ERROR_BAD_FILE (missing, duplicate or wrong directions, damaged
  * images, values that are no numbers), BTF_ERROR_UNSUPPORTED, BTF_ERROR_MEMORY. */
-btf_result btf_input_open(const char *path, const btf_input_options *options, const btf_log *log, btf_input **out_input);
+btf_result btf_input_open(const char *path, const btf_input_options *options, const btf_log *log,
+                          btf_input **out_input);
 
-/** Fills *out_info up to its struct_size. Errors: BTF_ERROR_USAGE (a null pointer, a struct_size too small to be one). */
+/** Fills *out_info up to its struct_size. Errors: BTF_ERROR_USAGE (a null pointer, a struct_size too small to be
+ * one). */
 btf_result btf_input_get_info(const btf_input *input, btf_input_info *out_info);
 
 /** Reads the image of a view under a light, numbers of the lists: out_rgb [height][width][3], row 0 the top. Errors:
