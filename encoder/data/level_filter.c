@@ -84,7 +84,7 @@ btf_result enc_level_filter(const enc_context *context, const enc_data *from, in
             btf_result mine;
 #pragma omp atomic read
             mine = result;
-            if (mine != BTF_OK) {
+            if (mine != BTF_OK) { /* a parallel loop cannot be left, so the rest is passed over */
                 continue;
             }
             mine = !buffer || !sums ? BTF_ERROR_MEMORY

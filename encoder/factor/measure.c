@@ -155,6 +155,7 @@ btf_result enc_factor_measure(const enc_factor_matrix *m, const enc_factor_codes
     const size_t each = (BLOCK * (most + 3 * m->columns) + 3 * codes->lights + buffer + 15) / 16 * 16;
     const size_t blocks = (m->texels + BLOCK - 1) / BLOCK;
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+    /* by block, and added up in the order of blocks, whatever thread or rank measured which */
     enc_factor_error *sums = calloc(blocks, sizeof *sums);
     btf_result result = BTF_ERROR_MEMORY;
     *out_error = (enc_factor_error){0};

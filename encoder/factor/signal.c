@@ -301,6 +301,7 @@ static btf_result judge(blocks *b, const enc_components components[3], const boo
                           find_shares(b, c, components[c].rank, gain, out);
         result = room ? BTF_OK : no_memory(m);
         free(gain);
+        /* the floor is the error of the components that gain, so that the others are cut off before it */
         b->of_rows.rank[c] = b->first.rank[c] =
             out->rank[c] < b->first.rank[c] ? out->rank[c] : b->first.rank[c];
     }

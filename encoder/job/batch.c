@@ -242,7 +242,7 @@ btf_result enc_batch_run(const enc_context *context, const enc_job *job, const e
         if (first == BTF_OK) {
             first = outcomes[i].result;
         }
-        if (outcomes[i].result == BTF_ERROR_INTERRUPTED) {
+        if (outcomes[i].result == BTF_ERROR_INTERRUPTED) { /* any other failure lets the next input begin */
             result = first = BTF_ERROR_INTERRUPTED;
         }
     }

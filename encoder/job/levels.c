@@ -57,6 +57,7 @@ static btf_result fit_paper(fit_pass *pass, const enc_data *data, int level, enc
         const int shift = 2 * level < 31 ? 2 * level : 31;
         result = enc_pack_centre_room(&pass->quiet, data->width, data->height, data->n_views,
                                       data->n_lights, &most);
+        /* of centres that the user asked for, a level gets the share that its texels are of those of level 0 */
         most = options.centres > 0 ? (options.centres >> shift) + 1 : most;
         options.centres = most < room ? most : room;
         if (options.centres == 0) {
@@ -70,6 +71,7 @@ static btf_result fit_paper(fit_pass *pass, const enc_data *data, int level, enc
         result = append_centres(pass->context, &found, base);
     }
     if (result == BTF_OK) {
+        /* centres of all levels lie in one list, where those of this level begin at `first` */
         const size_t points = enc_solution_texels(&found) * (size_t)data->n_views;
         for (size_t i = 0; i < points && found.gain; i++) {
             if (found.gain[i] == 0) {

@@ -136,6 +136,7 @@ static void print_prediction(const enc_context *context, const enc_job *job, con
                             e->origin == ENC_ORIGIN_BONN, job->fit == ENC_FIT_BETWEEN);
     if (enc_settings_try_relief(job) && job->relief.relief &&
         enc_data_fits(context, e->width, e->height, e->n_views, e->n_lights)) {
+        /* relief is looked for beside the samples, which may take more than all later stages */
         const uint64_t relief = enc_extent_bytes(e) + enc_relief_memory(e->width, e->height, e->n_views, e->n_lights);
         use.peak = relief > use.peak ? relief : use.peak;
     }

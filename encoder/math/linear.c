@@ -133,6 +133,7 @@ bool enc_orthonormal_rows(size_t k, size_t row, const float *v, float *basis, fl
             before += mine[p] * mine[p];
         }
         memset(factors, 0, k * sizeof *factors);
+        /* a second pass takes off what rounding left of the others in the first: twice is enough (Parlett 1980) */
         for (int pass = 0; pass < 2; pass++) {
             for (size_t j = 0; j < i; j++) {
                 const double *other = q + j * row;

@@ -267,7 +267,7 @@ btf_result enc_unpack(const enc_context *context, const btf_material *material, 
         unpack_centres(material, s);
     } else if (btf_material_texture(material, BTF_TEXTURE_MAPS).data) {
         unpack_maps(&info, btf_material_texture(material, BTF_TEXTURE_MAPS).data, s);
-    } else {
+    } else { /* without maps no point is hidden */
         memset(s->gain, BTF_GAIN_ONE, enc_solution_texels(s) * info.n_views);
     }
     if (s->n_components > 0) {

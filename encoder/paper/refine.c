@@ -252,6 +252,7 @@ btf_result enc_refine(const enc_context *context, const enc_data *data, const en
                       .n_texels = enc_data_texel_count(data),
                       .lanes = enc_profile_lanes(data->n_lights),
                       .stride = enc_profile_stride(data->n_lights)};
+    /* a window that was asked for lies around the point itself, as the paper's does */
     s.around = bounded && (!options || (options->columns == 0 && options->rows == 0));
     s.columns = window_extent(columns, data->width, &s.first_column);
     s.rows = window_extent(rows, data->height, &s.first_row);

@@ -99,6 +99,7 @@ static btf_result compare_view(const enc_data *shape, enc_image_source original,
 btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape, enc_image_source original,
                                enc_image_source other, bool with_ssim, enc_metrics *out) {
     const int views = shape->n_views, lights = shape->n_lights;
+    /* kept image by image, and added up at the end in one order, whatever thread or rank compared which */
     enc_error_sum *error = calloc((size_t)views * (size_t)lights, sizeof *error);
     double *ssim = calloc((size_t)views, sizeof *ssim);
     int view_ring_of[BTF_MAX_DIRECTIONS], light_ring_of[BTF_MAX_DIRECTIONS];

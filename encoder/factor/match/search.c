@@ -250,6 +250,7 @@ btf_result enc_match_search(const enc_factor_matrix *m, const enc_match_coordina
     const size_t screen = at->k < SCREEN ? at->k : SCREEN;
     const size_t each = (sources + ENC_GEMM_M * screen + most * (screen + 3) + 64) / 16 * 16;
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+    /* by view, and added up in the order of views, whatever thread or rank searched which */
     double *energy = calloc(views, sizeof *energy);
     const bool room = work && energy;
     size_t begin, end;
