@@ -168,7 +168,7 @@ static btf_result check_levels(const enc_context *context, const enc_job *job, c
 
 static btf_result analyse_levels(const enc_context *context, const enc_job *job, int count, job_state *s) {
     enc_paper_options paper = job->paper;
-    paper.fallback = s->paper.diffuse; /* coarser levels may take the diffuse fit if level 0 did */
+    paper.fallback = s->paper.diffuse; /* as level 0 */
     return enc_levels_fit(context, s->data, count, job->method == ENC_METHOD_PAPER ? &paper : NULL,
                           s->between.nodes.views ? &s->between.nodes : NULL, &s->found, &s->found_levels);
 }

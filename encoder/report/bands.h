@@ -23,8 +23,7 @@ enc_bands enc_bands_make(const enc_direction *directions, int count);
 int enc_bands_members(const enc_bands *bands, int band, const enc_direction *directions, int count,
                       int out_members[ENC_MAX_DIRECTIONS]);
 
-/* Writes the numbers that a table begins with: counts and limits of both kinds of bands. Returns where its
- * rows begin. */
+/* The numbers that a table begins with: counts and limits of both. Returns where its rows begin. */
 float *enc_bands_write(const enc_bands *views, const enc_bands *lights, float *out);
 
 #endif
