@@ -27,13 +27,13 @@ enum {
     LEAST_EVALUATIONS = 200000,
     CELL_SAMPLES = 2048,
     MOST_OF_FULL = 300000,
-    MOST_ROWS = 4096, /* of a table, at most (FORMAT.md section 7) */
+    MOST_ROWS = 4096, /* of a table (FORMAT.md) */
     ROW_HEAD = 5
 };
 
 #define DEGREE (3.14159265358979323846 / 180)
 
-/* The directions that a variant is measured at: column 3 of a row. */
+/* Column 3 of a row. */
 typedef enum kind { INTERPOLATED, NEAREST, AT_SAMPLES, VIEW_AT_SAMPLE, LIGHT_AT_SAMPLE, KINDS } kind;
 
 enum { MOST_COUNTS = 16 };
@@ -70,8 +70,8 @@ typedef struct job {
     size_t texels, pairs; /* drawn of the present level; pairs: of directions, for each texel and pair of
                              bands */
     const btf_material *packed;
-    float *rows;            /* where the next row of errors is written */
-    float *difference_rows; /* likewise, of differences */
+    float *rows;            /* errors of the present level, row by row */
+    float *difference_rows; /* where the next row of differences goes */
 } job;
 
 /* Effects that change anything: without an SBRDF and without a residual, sources are black. */
