@@ -29,7 +29,7 @@ static struct {
     uint32_t effects;
     int interpolation, filter, worst, threads;
     bool json, no_ssim, pairs, leave_one_out, quiet;
-} o = {.read = {.names_of_some = true}, /* a table may be of one side alone */
+} o = {.read = {.names_of_some = true}, /* a table may be for one side only */
        .effects = BTF_EFFECT_ALL, .interpolation = ENC_INTERPOLATE_LINEAR, .worst = 8};
 
 static const cli_option table[] = {
@@ -172,7 +172,7 @@ static void shape_of(const btf_material *material, enc_data *shape, enc_directio
     }
 }
 
-/* The side's images at the directions of `shape`. */
+/* Finds the source of a side's images at the directions of `shape`. */
 static btf_result images_of(const enc_context *context, side *s, const side *other, const enc_data *shape,
                             enc_image_source *out) {
     if (!s->material) {
@@ -294,7 +294,7 @@ static btf_result compare_grids(const enc_context *context, side *a, side *b) {
     return result;
 }
 
-/* A material at pairs. */
+/* A material that is decoded at pairs. */
 typedef struct decoded {
     const enc_evaluator *evaluator;
     btf_ref_options options;
@@ -392,7 +392,7 @@ static btf_result print_leave_one_out(const side *a, const side *b, const enc_le
     return text ? BTF_OK : BTF_ERROR_MEMORY;
 }
 
-/* A material has to have the samples of the data: they are what is left out of it. */
+/* Refuses a material whose grid of samples is not that of the data: these samples are what is left out. */
 static btf_result check_same_samples(const enc_context *context, const side *data, const side *material) {
     enc_direction views[BTF_MAX_DIRECTIONS], lights[BTF_MAX_DIRECTIONS];
     enc_data shape;

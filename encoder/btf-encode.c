@@ -20,7 +20,8 @@ static uint64_t machine_memory(void) {
     return (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE);
 }
 
-/* A material has its documented ending, in any case; a device or a pipe may have any. */
+/* Refuses an output without the ending of a material, in upper or lower case; a device or a pipe may have
+ * any name. */
 static btf_result check_ending(const enc_context *context, const char *output) {
     struct stat status;
     if (file_ends_in(output, ".btf.exr") ||

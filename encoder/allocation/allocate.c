@@ -99,7 +99,7 @@ double enc_factor_plan_error(const enc_factor_energies *energies, const enc_fact
     return error;
 }
 
-/* The ways in which the four words of a unit belong to channels. */
+/* The words of each channel in a unit: one of the ways to divide its four words among three channels. */
 static void split_words(int split, uint32_t out[ENC_FACTOR_CHANNELS]) {
     int at = 0;
     for (uint32_t a = 0; a <= ENC_FACTOR_UNIT_WORDS; a++) {
@@ -135,7 +135,8 @@ static void add_unit(enc_factor_plan *plan, int class, int split) {
     }
 }
 
-/* The best plan that has a unit more, or less, among the classes of so many texels of u. */
+/* Finds the best plan that has a unit more, or one less, among the classes whose units take `u_texels`
+ * texels of u. Returns its error. */
 static double best_step(const search *s, const enc_factor_plan *from, size_t u_texels, bool more,
                         enc_factor_plan *out) {
     double least = INFINITY;
@@ -157,7 +158,8 @@ static double best_step(const search *s, const enc_factor_plan *from, size_t u_t
     return least;
 }
 
-/* Word moves between channels of a class. */
+/* Finds the best move of one word from channel to channel within a class. Returns the least error, `least`
+ * where no move gains. */
 static double best_word_move(const search *s, const enc_factor_plan *from, double least,
                              enc_factor_plan *out) {
     for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
@@ -179,7 +181,8 @@ static double best_word_move(const search *s, const enc_factor_plan *from, doubl
     return least;
 }
 
-/* Unit moves between classes of as many texels of u. */
+/* Finds the best move of one unit between classes whose units take as many texels of u. Returns as
+ * best_word_move does. */
 static double best_unit_move(const search *s, const enc_factor_plan *from, double least,
                              enc_factor_plan *out) {
     for (int k = 0; k < ENC_FACTOR_CLASSES; k++) {
@@ -202,7 +205,8 @@ static double best_unit_move(const search *s, const enc_factor_plan *from, doubl
     return least;
 }
 
-/* Brings a plan to so many units of one and of two texels of u, then makes the moves that gain. */
+/* Adds or takes away units until `units` says how many take one texel of u and how many two, then makes
+ * moves as long as they gain. */
 static double fit_units(const search *s, const uint32_t units[2], enc_factor_plan *plan) {
     double error = error_of(s, plan);
     for (size_t u_texels = 1; u_texels <= 2; u_texels++) {
@@ -241,7 +245,8 @@ static double component_bytes(const search *s, int class) {
     return 4.0 * (double)(s->texels * k->u_texels + s->columns) / (double)k->word;
 }
 
-/* Counts the components of each channel that go to each class at a price of a byte; returns their bytes. */
+/* Counts the components of each channel that go to each class when a byte costs `price`; returns their
+ * bytes. */
 static double count_at(const search *s, double price,
                        size_t counts[ENC_FACTOR_CLASSES][ENC_FACTOR_CHANNELS]) {
     double bytes = 0;

@@ -27,8 +27,8 @@ static inline enc_factor_levels enc_factor_levels_of(int class, int top) {
                       : (enc_factor_levels){(float)top, 0.5f, 0.5f};
 }
 
-/* The level next to x, x in levels; to the even one of two as near. Adding and taking off 1.5 * 2^23 rounds
- * to an integer, in any vector width. */
+/* The level next to x, x in levels; of two that are equally near, the even one. Adding and taking off 1.5 *
+ * 2^23 rounds to an integer, in any vector width. */
 static inline __attribute__((always_inline)) float enc_factor_level(enc_factor_levels l, float x) {
     x = x > l.top ? l.top : x;
     x = x < -l.top ? -l.top : x;

@@ -11,7 +11,7 @@
 
 #include <math.h>
 
-/* The most bytes that whole units, of one and of two texels of u, make of a budget. */
+/* The most bytes of a budget that whole units, of one and of two texels of u, fill. */
 static uint64_t whole_units(size_t texels, size_t n_views, size_t n_lights, uint64_t budget) {
     const enc_factor_plan none = {{{0}}}, one = {{{ENC_FACTOR_UNIT_WORDS}}};
     const uint64_t unit = enc_factor_bytes(&one, texels, n_views, n_lights) -

@@ -16,7 +16,9 @@ typedef struct enc_quality_search {
     size_t count;
     uint64_t budget[ENC_QUALITY_BUDGETS];
     double expected[ENC_QUALITY_BUDGETS]; /* dB of roots that the allocation expects; encodes reach more */
-    size_t reaches, fails;                /* of those that were tried; fails: `count` while none has */
+    size_t reaches, fails;                /* the indices, of budgets that were tried, of the smallest that
+                                             reaches and of the largest that fails; `count` while none has
+                                             failed */
     double above[2];                      /* dB reached over those expected, of these two */
 } enc_quality_search;
 

@@ -54,7 +54,7 @@ void enc_keep_worse(btf_result *io_result, btf_result mine) {
 #pragma omp critical(enc_result)
     for (size_t i = 0; i < sizeof worst_first / sizeof worst_first[0]; i++) {
         if (mine == worst_first[i] || *io_result == worst_first[i]) {
-/* other threads may look at it meanwhile, atomically, to end early */
+/* other threads read it meanwhile, atomically, to end early */
 #pragma omp atomic write
             *io_result = worst_first[i];
             break;

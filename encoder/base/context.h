@@ -16,7 +16,7 @@ struct enc_checkpoint;      /* data/checkpoint.h */
 struct enc_ranks;           /* ranks.h */
 struct enc_extent_listener; /* data/extent.h */
 
-/* Bytes that an encode takes at the least, beside the samples, of so many texels, views and lights. */
+/* The fewest bytes, besides the samples, in which a method can encode data of this size. */
 typedef uint64_t (*enc_least_memory)(int width, int height, int n_views, int n_lights, int threads);
 
 typedef struct enc_context {
@@ -26,8 +26,8 @@ typedef struct enc_context {
     size_t memory;                              /* bytes the working set may take, 0 = unbounded */
     struct enc_checkpoint *checkpoint;          /* where stages keep their results; NULL: nowhere */
     const struct enc_extent_listener *listener; /* is told the extent of the data read; NULL: none */
-    enc_least_memory least_memory; /* of the method that will encode: data that take more than is allowed
-                                      are refused; NULL: none are */
+    enc_least_memory least_memory; /* of the method that will encode; data for which it exceeds `memory` are
+                                      refused. NULL: no data are */
     struct enc_ranks *ranks;       /* the ranks that share the work; NULL: this process is alone */
 } enc_context;
 
@@ -39,18 +39,18 @@ void enc_log(const enc_context *context, btf_log_level level, const char *format
 btf_result enc_fail(const enc_context *context, btf_result result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Makes *io_result, which threads share, the worse of itself and the result of one of them. Which one is worse
- * does not depend on which thread comes first: the user's stop comes before all errors, and of errors the one
- * that the user can do most about, a file's before a want of memory, that before a fault of the program. Nothing
- * else may write *io_result meanwhile. */
+/* Makes *io_result, which threads share, the worse of itself and the result of one of them. Which one is
+ * worse does not depend on which thread comes first: the user's stop comes before all errors, and of errors
+ * the one that the user can do most about, an error in a file before a lack of memory, and that before a
+ * fault of the program. Nothing else may write *io_result meanwhile. */
 void enc_keep_worse(btf_result *io_result, btf_result mine);
 
 /* True once the user asked to stop (SIGINT, SIGTERM). Long loops test it once an iteration and return
  * BTF_ERROR_INTERRUPTED. */
 bool enc_cancelled(const enc_context *context);
 
-/* Threads that may each hold `bytes`, in half of the allowed memory, the other half being the data's: 1 to
- * context->threads. */
+/* How many threads may each hold `bytes` in half of the allowed memory, the other half being for the
+ * samples: 1 to context->threads. */
 int enc_memory_threads(const enc_context *context, uint64_t bytes);
 
 #endif

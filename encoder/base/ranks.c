@@ -21,7 +21,7 @@ struct enc_ranks {
     enc_ranks_volume volumes[MOST_STAGES];
     char names[MOST_STAGES][32];
     size_t n_volumes;
-    enc_ranks_volume *volume; /* of the stage at hand */
+    enc_ranks_volume *volume; /* of the present stage */
     size_t *bounds;           /* [2][size + 1] of a transfer, in bytes */
 };
 

@@ -23,9 +23,10 @@ typedef struct enc_transport {
     int rank, size;
     int node_ranks; /* of them on this machine */
     void *user;
-    /* The least of all ranks' values. */
+    /* Replaces every rank's value by the least of all. */
     void (*least)(void *user, uint64_t *io_value);
-    /* Every rank's part of the array to all. */
+    /* Fills in the array on every rank: rank r holds the bytes within its bounds, and receives the
+     * others. */
     void (*gather)(void *user, void *array, const size_t *bounds);
     /* Sends to each rank r the bytes of `send` within its bounds; the bytes that r sends arrive in `receive` within
      * its bounds there. */
@@ -45,8 +46,7 @@ void enc_ranks_destroy(enc_ranks **ranks);
  * their errors, and enc_ranks_agree writes them there when they are why the ranks leave. */
 btf_log enc_ranks_log(enc_ranks *ranks, btf_log log);
 
-/* The ranks stand at the beginning of a job: an error that they left the last one by is forgotten, and the
- * counts begin anew. */
+/* Begins a job: forgets the error that ended the last one, if any, and counts the traffic anew. */
 void enc_ranks_begin(const enc_context *context);
 
 int enc_ranks_own(const enc_context *context);
@@ -58,7 +58,7 @@ bool enc_ranks_leads(const enc_context *context);
 
 /* This rank's slice of `count` items: first .. end - 1. */
 void enc_ranks_range(const enc_context *context, size_t count, size_t *out_first, size_t *out_end);
-/* The slice of any rank; slices follow one another, and none is longer by two than another. */
+/* The slice of a given rank. Slices follow one another, and their lengths differ by one item at most. */
 void enc_ranks_range_of(const enc_context *context, int rank, size_t count, size_t *out_first,
                         size_t *out_end);
 
@@ -68,30 +68,30 @@ btf_result enc_ranks_agree(const enc_context *context, btf_result result);
 /* Whether `holds` is true on every rank; false where a rank failed. */
 bool enc_ranks_all(const enc_context *context, bool holds);
 
-/* Completes array [count] of items of `item_bytes`, of which each rank has filled its slice. */
+/* Completes array [count] of items of `item_bytes` on every rank, each having filled its slice alone. */
 btf_result enc_ranks_gather(const enc_context *context, btf_result result, void *array, size_t item_bytes,
                             size_t count);
 /* Completes such an array of which rank r has filled items bounds[r] .. bounds[r + 1] - 1. */
 btf_result enc_ranks_gather_bounds(const enc_context *context, btf_result result, void *array,
                                    size_t item_bytes, const size_t *bounds);
-/* Hands floats send_bounds[r] .. send_bounds[r + 1] - 1 of `send` to rank r, which finds them at its
- * receive_bounds of this rank. */
+/* Hands floats send_bounds[r] .. send_bounds[r + 1] - 1 of `send` to rank r, which finds them in its
+ * `receive`, within the receive_bounds that it has for this rank. */
 btf_result enc_ranks_exchange(const enc_context *context, btf_result result, const float *send,
                               const size_t *send_bounds, float *receive, const size_t *receive_bounds);
-/* Sums over all ranks. */
+/* Replaces each value by its sum over all ranks. */
 btf_result enc_ranks_sum(const enc_context *context, btf_result result, uint64_t *values, size_t count);
-/* Rank 0's bytes to all. */
+/* Copies the bytes of rank 0 to all ranks. */
 btf_result enc_ranks_broadcast(const enc_context *context, btf_result result, void *bytes, size_t size);
 
 /* The traffic between the ranks in one stage. */
 typedef struct enc_ranks_volume {
     const char *stage;
-    uint64_t received, sent; /* bytes of this rank; sent: handed over once, whoever it is for */
+    uint64_t received, sent; /* bytes of this rank; what all ranks get counts as sent once */
     uint64_t meetings;       /* of all ranks */
-    double waited, moved;    /* seconds: for other ranks, and for messages */
+    double waited, moved;    /* seconds spent waiting for other ranks, and in messages */
 } enc_ranks_volume;
 
-/* From here on, traffic counts for this stage. */
+/* Counts the traffic that follows under this stage. */
 void enc_ranks_stage(enc_ranks *ranks, const char *stage);
 /* Stages in order; owned by the ranks object. *out_count is 0 for a process that is alone. */
 const enc_ranks_volume *enc_ranks_volumes(const enc_context *context, size_t *out_count);

@@ -15,7 +15,7 @@
 
 enum { EAGER_TESTS = 2000, NAP = 50000 /* ns */ };
 
-static const double patience = 5.0; /* seconds that ranks asked to stop have to meet */
+static const double patience = 5.0; /* seconds that ranks which were asked to stop wait for one another */
 static size_t limit = (size_t)1 << 30;
 static bool initialised;
 
@@ -23,8 +23,8 @@ void enc_mpi_set_limit(size_t bytes) {
     limit = bytes > 0 ? bytes : (size_t)1 << 30;
 }
 
-/* Waits without taking the core from the ranks that still work. Where a rank is dead, the others are asked
- * to stop, and do not wait for it. */
+/* Waits without taking the core from the ranks that still work. A dead rank never comes: once this process
+ * is asked to stop, it waits for some seconds more, then ends all ranks. */
 static void wait_for(MPI_Request *request) {
     const struct timespec nap = {0, NAP};
     double asked = 0.0;
@@ -72,7 +72,7 @@ static void broadcast(void *user, void *bytes, size_t size) {
     broadcast_pieces(bytes, size, 0);
 }
 
-/* Counts and displacements of all ranks; false when out of memory. */
+/* The counts and displacements that MPI_Allgatherv takes, of all ranks; false when out of memory. */
 static bool make_counts(int size, const size_t *bounds, int **out_counts) {
     int *counts = malloc(2 * (size_t)size * sizeof *counts);
     for (int r = 0; r < size && counts; r++) {
@@ -106,7 +106,8 @@ static void gather(void *user, void *array, const size_t *bounds) {
     free(counts);
 }
 
-/* A pair of ranks at a time, in as many turns as there are ranks. */
+/* Exchanges piece by piece. There are as many turns as ranks; in each, a rank sends to one other and
+ * receives from one. */
 static void exchange_pieces(const char *send, const size_t *from, char *receive, const size_t *to) {
     int size, rank;
     MPI_Comm_size(MPI_COMM_WORLD, &size);
@@ -141,7 +142,8 @@ static bool is_launched(void) {
     return getenv("OMPI_COMM_WORLD_SIZE") || getenv("PMI_SIZE") || getenv("PMIX_RANK");
 }
 
-/* Ranks may be bound to cores of their own, or share all of them. */
+/* Gives this rank its part of the machine's cores and memory, whether the ranks are bound to cores of their
+ * own or may run on all. */
 static void take_share(MPI_Comm node, int node_ranks, enc_mpi_share *io_share) {
     cpu_set_t mine, all;
     CPU_ZERO(&mine);

@@ -127,7 +127,7 @@ static void host_name(char name[64]) {
     name[63] = '\0';
 }
 
-/* Removes the files of processes of this machine that are no more. */
+/* Removes scratch files whose process, on this machine, no longer runs. */
 static void remove_stale(const char *folder) {
     char host[64], begin[96];
     host_name(host);
@@ -148,7 +148,7 @@ static void remove_stale(const char *folder) {
     }
 }
 
-/* Rank 0's part: a file of its size, by name. */
+/* Rank 0's part of opening a shared file: makes a file of that size which has a name. */
 static btf_result make_file(const enc_context *context, const char *what, uint64_t size,
                             char path[PATH_MAX]) {
     const char *folder;
@@ -179,7 +179,8 @@ static btf_result make_file(const enc_context *context, const char *what, uint64
     return result;
 }
 
-/* Opens the file that rank 0 made; it has the wrong size where another folder has the same name. */
+/* Opens the file that rank 0 made; a wrong size means that this machine has another folder of the same
+ * name. */
 static btf_result open_file(const enc_context *context, const char *path, int flags, uint64_t size,
                             int *out_fd) {
     struct stat status;

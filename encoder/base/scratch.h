@@ -11,19 +11,19 @@
 /* Predicted core seconds to read a float from a scratch file, on one core of an AMD EPYC (Zen 4). */
 #define ENC_SCRATCH_SECONDS 1.5e-9
 
-/* Opens an unlinked file of `size` zero bytes in $TMPDIR (default /var/tmp), after a look at the free space
+/* Opens an unlinked file of `size` zero bytes in $TMPDIR (default /var/tmp), after checking the free space
  * there. `what` names its contents in messages. Close it with close(). Errors: BTF_ERROR_IO,
  * BTF_ERROR_MEMORY. */
 btf_result enc_scratch_open(const enc_context *context, const char *what, uint64_t size, int *out_fd);
 
-/* The folder for scratch files, after a look at the free space there; owned by the environment. Errors:
- * BTF_ERROR_IO. */
+/* Finds the folder for scratch files and checks the free space there. *out_folder is owned by the
+ * environment. Errors: BTF_ERROR_IO. */
 btf_result enc_scratch_folder(const enc_context *context, uint64_t size, const char **out_folder);
 
-/* Opens one scratch file for all ranks, which rank 0 makes where all of them find it. Where the ranks are on one
- * machine, the file has no name afterwards, and *out_path is NULL. Else it keeps its name until it is removed; the
- * next rank 0 on that machine removes files that a dead one left. After an error no file stays. Errors:
- * BTF_ERROR_IO, naming rank, machine and folder; BTF_ERROR_MEMORY. */
+/* Opens one scratch file for all ranks, which rank 0 makes in the folder that enc_scratch_folder finds.
+ * Where the ranks are on one machine, the file has no name afterwards, and *out_path is NULL. Else it keeps
+ * its name until it is removed; the next rank 0 on that machine removes files that a dead one left. After
+ * an error no file stays. Errors: BTF_ERROR_IO, naming rank, machine and folder; BTF_ERROR_MEMORY. */
 btf_result enc_scratch_open_shared(const enc_context *context, const char *what, uint64_t size, int *out_fd,
                                    char **out_path);
 /* Waits until all ranks have written their parts; from then on each can read what any of them wrote. Ranks other

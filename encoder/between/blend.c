@@ -48,8 +48,9 @@ void enc_blend_destroy(enc_blend **blend) {
     *blend = NULL;
 }
 
-/* The weighted sum of a profile, the samples of a texel, a view and a channel under every light. all: the indices are 0,
- * 1, ...; then four partial sums, always added in the same order, leave the compiler free to use vectors. */
+/* The weighted sum of a profile, the samples of a texel, a view and a channel under every light. all: the
+ * indices are 0, 1, ...; then four partial sums, always added in the same order, leave the compiler free to
+ * use vectors. */
 static float weigh(const float *profile, const enc_weights *w, bool all) {
     float lane[4] = {0};
     int i = 0;

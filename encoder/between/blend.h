@@ -11,7 +11,7 @@
 
 typedef struct enc_blend enc_blend;
 
-/* Nearest and linear blend radiance, views and lights each by three weights; a spline goes through the
+/* The kinds nearest and linear blend radiance, views and lights each by three weights; the splines blend
  * square roots of radiance, over all views and all lights (a result below 0 is 0). `data` must outlive the
  * blend. Errors: those of enc_interpolator_create. */
 btf_result enc_blend_create(const enc_context *context, const enc_data *data, enc_interpolation kind,

@@ -8,7 +8,7 @@
 
 #include <stdlib.h>
 
-/* A texel at all pairs: out[pair][texel][3]. */
+/* Decodes a texel at all pairs: out[pair][texel][3]. */
 static void decode_texel(enc_evaluated_texel *texel, const btf_ref_options *options, const enc_pair *pairs,
                          const enc_evaluated_neighbours *around, size_t count, size_t texels, float *out) {
     for (size_t p = 0; p < count; p++) {
@@ -18,8 +18,8 @@ static void decode_texel(enc_evaluated_texel *texel, const btf_ref_options *opti
     }
 }
 
-/* A row of texels at their centres by a filter between texels, under one pair; uv is room for 2 numbers a
- * texel. */
+/* Decodes a row of texels at their centres, by a filter between texels, under one pair; uv has room for 2
+ * numbers a texel. */
 static void filter_row(const enc_evaluator *evaluator, const btf_ref_options *options, const enc_pair *pair,
                        uint32_t row, float *uv, float *out) {
     const btf_ref_material *m = enc_evaluator_reference(evaluator);
@@ -74,7 +74,7 @@ btf_result enc_decode_pairs(const enc_context *context, const enc_evaluator *eva
     for (size_t p = 0; around && p < count; p++) {
         around[p] = enc_evaluated_look_up(evaluator, pairs[p].light.xyz, pairs[p].view.xyz);
     }
-    const bool begun = result == BTF_OK; /* asked before threads may write it */
+    const bool begun = result == BTF_OK; /* read before threads may write `result` */
 #pragma omp parallel num_threads(context->threads)
     {
         enc_evaluated_texel *texel = begun ? enc_evaluated_texel_create(evaluator, 0) : NULL;

@@ -8,9 +8,8 @@
 #include "encoder/model/evaluator.h"
 #include "pairs.h"
 
-/* The evaluator's level of a material at `count` pairs, at the centres of its texels by options.filter:
- * out[pair][texel][3]. Errors: BTF_ERROR_MEMORY,
- * BTF_ERROR_INTERRUPTED. */
+/* Decodes the evaluator's level of a material at `count` pairs, at the centres of its texels by
+ * options.filter: out[pair][texel][3]. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_decode_pairs(const enc_context *context, const enc_evaluator *evaluator,
                             const btf_ref_options *options, const enc_pair *pairs, size_t count,
                             float *out);

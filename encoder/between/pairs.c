@@ -63,7 +63,8 @@ static btf_result count_directions(const enc_grid_image *images, size_t count, b
     return BTF_OK;
 }
 
-/* Lists the images, without a word: where names say nothing and the folder has a directions.csv, by that. */
+/* Lists the images without logging anything: by their names or, where these tell no directions and the
+ * folder has a directions.csv, by that. */
 static btf_result list_silently(const enc_context *context, const char *path, const enc_source *source,
                                 enc_read_options *options, char table[PATH_MAX],
                                 enc_grid_image **out_images, size_t *out_count) {
@@ -102,8 +103,9 @@ btf_result enc_pairs_classify(const enc_context *context, const char *path, cons
     if (result == BTF_OK) {
         result = count_directions(images, count, true, &lights, &unused);
     }
-    /* A grid is whole, under a view from the top; or it lacks images, which is to be told, not to be taken
-     * for something else. Directions drawn at random form far less than half of a grid. */
+    /* A whole grid has a view from the top. One with more than half of its images counts as a grid all the
+     * same, so that the reader can name those it lacks. Directions drawn at random form far less than half
+     * of a grid. */
     if (result == BTF_OK &&
         (2 * count <= views * lights || (count == views * lights && top > ENC_GRID_POLE_DISTANCE))) {
         *out_set = ENC_SET_PAIRS;
@@ -113,7 +115,7 @@ btf_result enc_pairs_classify(const enc_context *context, const char *path, cons
     return result == BTF_ERROR_BAD_FILE ? BTF_OK : result; /* the reader says what is wrong */
 }
 
-/* All images with their directions, in the order of the source. */
+/* Lists all images with their directions, in the order of the source. */
 static btf_result list_pairs(const enc_context *context, const char *path, enc_pairs *pairs) {
     enc_pairs_source *s = pairs->source;
     enc_grid_image *images = NULL;
@@ -249,7 +251,7 @@ static void tell_negative(const enc_context *context, const enc_pairs *pairs, si
             pairs->source->source->location, pairs->pair[i].name, negative);
 }
 
-/* The file of image i; a sequential source gives the first, read already, only once. */
+/* Fetches the file of image i. The first one was read already: a sequential source gives it only once. */
 static btf_result fetch(const enc_pairs *pairs, size_t i, void **out_file, size_t *out_size,
                         char *message) {
     enc_pairs_source *s = pairs->source;

@@ -1,7 +1,7 @@
 /* Checkpoints. See checkpoint.h.
  *
- * A file a step: 8 bytes of magic, the key, the size, the bytes, and a hash of all before it; little-endian
- * as the machine is, since no other machine reads them.
+ * Each step has a file: 8 bytes of magic, the key, the size, the bytes, and a hash of all before it;
+ * numbers lie as the machine has them, since no other machine reads them.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -24,7 +24,7 @@ enum { HEADER = 24, HASHED_TEXELS = 256 };
 struct enc_checkpoint {
     char *folder;
     uint64_t key;
-    bool leads; /* reads and writes the files; the other ranks hear of it */
+    bool leads; /* this rank reads and writes the files, and tells the others */
 };
 
 /* FNV-1a over 8 bytes at a time, the rest byte by byte. */
@@ -43,7 +43,8 @@ static uint64_t hash(uint64_t h, const void *bytes, size_t size) {
 }
 static const uint64_t hash_start = 0xCBF29CE484222325u;
 
-/* Options, sizes, directions, and the samples of texels spread over the whole. */
+/* Finds the key that says whose checkpoint it is: a hash of the options, the sizes, the directions, and the
+ * samples of texels spread over the image. */
 static btf_result find_key(const enc_context *context, const char *options, const enc_data *data,
                            uint64_t *out_key) {
     const size_t texels = enc_data_texel_count(data), stride = enc_data_texel_stride(data);
@@ -88,7 +89,7 @@ static bool is_step(const char *name) {
     return length > end && strcmp(name + length - end, extension) == 0;
 }
 
-/* The key of a step's file; false when it has none. */
+/* Reads the key of a step's file; false when it has none. */
 static bool read_key(const char *path, uint64_t *out_key) {
     char begin[8];
     FILE *file = fopen(path, "rb");
@@ -100,7 +101,7 @@ static bool read_key(const char *path, uint64_t *out_key) {
     return good;
 }
 
-/* Whether the steps that lie there are to be had. */
+/* Refuses a folder that holds steps, if the user did not ask to resume or they have another key. */
 static btf_result check_folder(const enc_context *context, const enc_checkpoint *c, bool resume) {
     btf_result result = BTF_OK;
     DIR *folder = opendir(c->folder);
@@ -275,7 +276,7 @@ static bool read_step(const enc_checkpoint *c, const char *path, enc_blob *out, 
     return true;
 }
 
-/* Hands the blob that rank 0 found to all ranks. False where it found none. */
+/* Hands the blob that rank 0 found, if any, to all ranks. False where it found none. */
 static bool share_blob(const enc_context *context, bool found, enc_blob *blob) {
     uint64_t size = found ? blob->size : UINT64_MAX;
     btf_result result = enc_ranks_broadcast(context, BTF_OK, &size, sizeof size);
@@ -295,7 +296,7 @@ static bool share_blob(const enc_context *context, bool found, enc_blob *blob) {
     return result == BTF_OK;
 }
 
-/* Whether this process has the step; says what is wrong with one that is damaged. */
+/* Reads a step from its file; false where there is none, or a damaged one, of which a warning tells. */
 static bool find_step(const enc_context *context, const char *name, enc_blob *out_blob) {
     const char *why;
     char *path = path_of(context->checkpoint->folder, name);

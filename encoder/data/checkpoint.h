@@ -27,7 +27,7 @@ void enc_checkpoint_close(enc_checkpoint **checkpoint, bool remove_files);
 typedef struct enc_blob {
     unsigned char *bytes;
     size_t size, room, at;
-    bool failed; /* out of memory, or something was taken that is not there */
+    bool failed; /* memory ran out, or more was taken than the blob holds */
 } enc_blob;
 
 void enc_blob_clear(enc_blob *blob);
@@ -43,8 +43,8 @@ bool enc_blob_taken(enc_blob *blob);
 
 /* The ranks meet in enc_checkpoint_open and enc_checkpoint_get.
  *
- * Whether context->checkpoint holds the result of step `name`: *out_blob is it then, to be cleared by the
- * caller. A damaged file is named in a warning and counts as none. */
+ * Whether context->checkpoint holds the result of step `name`: if so, *out_blob holds it and the caller
+ * clears it. A damaged file is named in a warning and counts as none. */
 bool enc_checkpoint_get(const enc_context *context, const char *name, enc_blob *out_blob);
 /* Keeps the result of a step, replacing an earlier one of its name, and clears the blob. Does nothing
  * without context->checkpoint. Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */

@@ -39,13 +39,13 @@ static enc_direction *copy_directions(const enc_direction *list, int count) {
     return copy;
 }
 
-/* Bytes that the encode takes beside the samples; 0: nobody said. */
+/* The fewest bytes that the encode takes besides the samples; 0 where the context does not say. */
 static uint64_t least_memory(const enc_context *context, int width, int height, int n_views, int n_lights) {
     return context->least_memory ? context->least_memory(width, height, n_views, n_lights, context->threads)
                                  : 0;
 }
 
-/* Refuses data for which the allowed memory is less than the least that an encode takes. */
+/* Refuses data of which an encode takes more than the allowed memory at the least. */
 static btf_result check_memory(const enc_context *context, int width, int height, int n_views,
                                int n_lights) {
     if (!context || context->memory == 0) {
@@ -61,7 +61,7 @@ static btf_result check_memory(const enc_context *context, int width, int height
         context->memory, width, height, n_views, n_lights, (unsigned long long)((least + 999) / 1000));
 }
 
-/* Everything but the samples. */
+/* Makes everything but the samples. */
 static btf_result create_empty(const enc_context *context, int width, int height, int n_views,
                                const enc_direction *views, int n_lights, const enc_direction *lights,
                                uint64_t *out_bytes, enc_data **out_data) {
@@ -145,7 +145,7 @@ btf_result enc_data_create(const enc_context *context, int width, int height, in
     return result;
 }
 
-/* One block of keep_samples; buffer is used where samples do not lie in memory. */
+/* Makes and keeps one block of samples, through `buffer` where samples do not lie in memory. */
 static btf_result keep_block(const enc_context *context, enc_data *data, size_t first, size_t count,
                              float *buffer) {
     const size_t stride = enc_data_texel_stride(data);
@@ -190,7 +190,8 @@ static btf_result keep_samples(const enc_context *context, enc_data *data) {
     return result;
 }
 
-/* The samples of a scratch file as memory, where there is room for them. Samples that cannot be mapped are read. */
+/* Maps the samples of a scratch file into memory where there is room for them. If that fails, they are read
+ * from the file when asked for. */
 static void map_samples(const enc_context *context, enc_data *data) {
     const size_t bytes = enc_data_texel_count(data) * enc_data_texel_stride(data) * sizeof(float);
     if (!enc_data_fits(context, data->width, data->height, data->n_views, data->n_lights)) {
@@ -334,7 +335,7 @@ btf_result enc_data_store_run(const enc_context *context, enc_data *data, size_t
 }
 
 btf_result enc_data_view(const enc_context *context, const enc_data *data, int view, float *out) {
-    enum { BLOCK = 16 }; /* texels whose profiles are turned round together */
+    enum { BLOCK = 16 }; /* texels whose profiles are transposed together */
     assert(view >= 0 && view < data->n_views);
     const size_t texels = enc_data_texel_count(data), lights = (size_t)data->n_lights, profile = 3 * lights;
     const size_t stride = enc_data_texel_stride(data);

@@ -20,7 +20,8 @@ typedef struct enc_direction {
 /* Fills xyz from theta and phi. */
 enc_direction enc_direction_from_angles(double theta_degrees, double phi_degrees);
 
-/* The light of the same direction as a view, which stood elsewhere. */
+/* Where the light stood whose nominal direction is that of a view, since the camera was in its way
+ * (coincident.h). */
 typedef struct enc_moved_light {
     int index; /* of the light; -1: it stood where it should */
     enc_direction actual;
@@ -43,9 +44,9 @@ struct enc_data_origin {
 /* One BTF. Samples are float32, linear Rec. 709 radiance over (normal-incidence irradiance / pi),
  * cosine included: a white Lambertian lit from l holds l.z.
  *
- * Sample order, innermost last: [texel][view][channel][light], texel = row * width + column, row 0 at
- * the top of the image (+v), channel 0..2 = R, G, B. So the light profile of (texel, view) is
- * 3 * n_lights contiguous floats, and all samples of a texel are n_views * 3 * n_lights.
+ * Sample order, innermost last: [texel][view][channel][light], texel = row * width + column, row 0 at the
+ * top of the image (+v), channel 0..2 = R, G, B. So the light profile of (texel, view) is 3 * n_lights
+ * contiguous floats, and all samples of a texel are n_views * 3 * n_lights.
  *
  * Directions are in paper order: theta ascending, then phi ascending from 0. Both lists hold up to
  * ENC_MAX_DIRECTIONS, need not be equal, and have no duplicates. */
@@ -80,18 +81,18 @@ static inline size_t enc_data_texel_stride(const enc_data *data) {
     return (size_t)data->n_views * 3 * (size_t)data->n_lights;
 }
 
-/* Makes a BTF of zeros with copies of the direction lists. Samples are held in memory when they fit
- * half of context->memory (0: always), else in an unlinked scratch file in $TMPDIR (default /var/tmp),
- * whose size is announced and checked against free space first. The ranks share one scratch
- * file instead; each stores a part of the samples, and then all meet in enc_data_complete.
- * Errors: BTF_ERROR_USAGE (sizes; more than context->memory, by context->least_memory),
- * BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file, free space). */
+/* Makes a BTF of zeros with copies of the direction lists. Samples are held in memory when they fit half of
+ * context->memory (0: always), else in an unlinked scratch file in $TMPDIR (default /var/tmp), whose size
+ * is announced and checked against free space first. The ranks share one scratch file instead; each stores
+ * a part of the samples, and then all meet in enc_data_complete. Errors: BTF_ERROR_USAGE (sizes; more than
+ * context->memory, by context->least_memory), BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file, free space). */
 btf_result enc_data_create(const enc_context *context, int width, int height, int n_views,
                            const enc_direction *views, int n_lights, const enc_direction *lights,
                            enc_data **out_data);
-/* Makes a BTF whose samples come from an origin, which then belongs to the BTF (also on error: it is closed). Where all samples fit half of context->memory (0: always) they are made here, once, with all
- * threads, and kept, by the ranks in a scratch file that they share; else they are made whenever
- * they are asked for, and no scratch file is written. */
+/* Makes a BTF whose samples come from an origin, which then belongs to the BTF (which closes it, also on
+ * error). Where all samples fit half of context->memory (0: always), they are made here, once, with all
+ * threads, and kept in memory, or by several ranks in a scratch file that they share; else they are made
+ * whenever they are asked for, and no scratch file is written. */
 btf_result enc_data_create_from(const enc_context *context, int width, int height, int n_views,
                                 const enc_direction *views, int n_lights, const enc_direction *lights,
                                 enc_data_origin *origin, enc_data **out_data);
@@ -103,8 +104,8 @@ btf_result enc_data_complete(const enc_context *context, enc_data *data, btf_res
 btf_result enc_data_copy_lights(const enc_data *from, enc_data *to);
 void enc_data_destroy(enc_data **data);
 
-/* Whether the allowed memory holds samples of `bytes`: half of it is for samples, as far as the rest
- * suffices for the encode. */
+/* Whether samples of this size may lie in memory: they fit half of context->memory (0: always), and leave
+ * what the encode takes at the least. */
 bool enc_data_fits(const enc_context *context, int width, int height, int n_views, int n_lights);
 
 /* The samples of texels first .. first+count-1. Points into data->samples when they are in memory; else
@@ -127,7 +128,7 @@ btf_result enc_data_store_texels(const enc_context *context, enc_data *data, siz
 btf_result enc_data_store_run(const enc_context *context, enc_data *data, size_t texel, size_t at,
                               size_t count, const float *samples);
 
-/* Rec. 709 luminance: what thresholds on a value mean. */
+/* Rec. 709 luminance, which thresholds on a value are compared with. */
 static inline float enc_luminance(float r, float g, float b) {
     return 0.2126f * r + 0.7152f * g + 0.0722f * b;
 }

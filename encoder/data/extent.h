@@ -10,8 +10,8 @@
 
 /* Where samples come from. */
 typedef enum enc_origin_kind {
-    ENC_ORIGIN_IMAGES = 0, /* decoded once */
-    ENC_ORIGIN_JPEG,       /* the same, of JPEG */
+    ENC_ORIGIN_IMAGES = 0, /* images but JPEG, decoded once */
+    ENC_ORIGIN_JPEG,       /* JPEG images, decoded once */
     ENC_ORIGIN_BONN,       /* made from factors */
 } enc_origin_kind;
 
@@ -22,7 +22,8 @@ typedef struct enc_extent {
     size_t components; /* of a Bonn file's factorisations, the most; 0: it has none */
 } enc_extent;
 
-/* Called once, when a data set's extent is settled. Anything but BTF_OK ends the reading with that result. */
+/* Is called once, when the extent of a data set is known. Anything but BTF_OK ends the reading with that
+ * result. */
 typedef struct enc_extent_listener {
     btf_result (*extent)(void *user, const enc_context *context, const enc_extent *extent);
     void *user;
@@ -34,7 +35,7 @@ static inline btf_result enc_extent_announce(const enc_context *context, const e
     return to ? to->extent(to->user, context, extent) : BTF_OK;
 }
 
-/* Bytes of the samples. */
+/* Bytes of the samples as floats. */
 static inline uint64_t enc_extent_bytes(const enc_extent *e) {
     return 12 * (uint64_t)e->width * (uint64_t)e->height * (uint64_t)e->n_views * (uint64_t)e->n_lights;
 }

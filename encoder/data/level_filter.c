@@ -27,7 +27,7 @@ size_t enc_level_further_texels(int width, int height, int count) {
     return texels;
 }
 
-/* One texel; buffer and out take a texel each, sums likewise. */
+/* Filters one texel; buffer, out and sums have room for a texel each. */
 static btf_result filter_texel(const enc_context *context, const enc_data *from, const enc_data *to,
                                size_t texel, float *buffer, double *sums, float *out) {
     const size_t stride = enc_data_texel_stride(from);
@@ -84,7 +84,7 @@ btf_result enc_level_filter(const enc_context *context, const enc_data *from, in
             btf_result mine;
 #pragma omp atomic read
             mine = result;
-            if (mine != BTF_OK) {
+            if (mine != BTF_OK) { /* a parallel loop cannot be left, so the rest is passed over */
                 continue;
             }
             mine = !buffer || !sums ? BTF_ERROR_MEMORY

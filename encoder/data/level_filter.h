@@ -28,9 +28,9 @@ size_t enc_level_further_texels(int width, int height, int count);
 btf_result enc_level_filter(const enc_context *context, const enc_data *from, int width, int height,
                             enc_data **out_data);
 
-/* Calls `fn` with the data of levels 1 .. count - 1, in this order; they live during the call. Each comes
- * from the level before where that divides evenly, which is the same sum, else from `data`. Errors: those
- * of enc_level_filter and of `fn`. */
+/* Calls `fn` with the data of levels 1 .. count - 1, in this order; they live during the call. Each is
+ * filtered from the level before where that divides evenly, which gives the same means, else from `data`.
+ * Errors: those of enc_level_filter and of `fn`. */
 typedef btf_result (*enc_level_fn)(void *user, int level, const enc_data *data);
 btf_result enc_level_each(const enc_context *context, const enc_data *data, int count, enc_level_fn fn,
                           void *user);

@@ -19,7 +19,7 @@ static inline size_t enc_profile_stride(int n_lights) {
 /* An array of `rows` profiles, zeroed and aligned to 64 bytes; free() releases it. NULL when out of memory. */
 float *enc_profiles_create(size_t rows, int n_lights);
 
-/* Gathers one view: out[texel][channel][lane], lane = light, lanes from n_lights on left as they are;
+/* Gathers one view: out[texel][channel][lane], lane = light, lanes from n_lights on are left as they are;
  * values as in data->samples. Uses context->threads. Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
 btf_result enc_profiles_of_view(const enc_context *context, const enc_data *data, int view, float *out);
 

@@ -1,9 +1,10 @@
 /* Trials of plans. See choose_plan.h.
  *
- * The allocation takes it that the rounding error of each component stays. Descent makes up for part of it,
- * so that strong components in 4 bits lose far less than their rounding; of one unit of UBO_IMPALLA64 all
- * in 4 bits the allocation expects 22 dB, and 30 come out. Among many units the difference is small and
- * alike for all plans; where there are few, the classes that it leaves out are rounded and compared.
+ * The allocation assumes that the rounding error of each component stays. Descent makes up for part of it,
+ * so that strong components in 4 bits lose far less: of UBO_IMPALLA64 in one unit, all in 4 bits, the
+ * allocation expects 22 dB, and 30 come out. With many units the difference is small and alike for all
+ * plans. With few, the allocation may pass over the best plan, so plans are made for several shares of the
+ * rounding error, rounded and compared.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -18,7 +19,8 @@
 
 enum { MOST_SWEEPS = 1, THOUGHTS = 7 };
 
-/* Shares of the rounding errors of 4 bits, and of 2, that the allocation counts; one trial for each pair. */
+/* Shares of the rounding errors of 4 bits, and of 2 bits, that the allocation is told to count; one trial
+ * for each pair. */
 static const double thoughts[THOUGHTS][2] = {{1, 2},      {0.5, 0.5},  {0.25, 0.5}, {0.1, 0.25},
                                              {0.03, 0.1}, {0.1, 0.03}, {0.03, 0.03}};
 
@@ -42,7 +44,7 @@ static bool add_products(const enc_factor_matrix *m, size_t n_a, const float *a,
     return done;
 }
 
-/* Squared error that the codes of a plan leave of the components. */
+/* Rounds the components to a plan and finds the squared error that the codes leave of them. */
 static btf_result error_of(const enc_factor_matrix *m, const enc_components components[ENC_FACTOR_CHANNELS],
                            const enc_factor_plan *plan, int sweeps, double *out_error) {
     enc_factor_codes codes;
@@ -68,8 +70,8 @@ static btf_result error_of(const enc_factor_matrix *m, const enc_components comp
     return result;
 }
 
-/* The plan that the allocation makes of a pair of shares; false where none fits, or an earlier pair gave
- * it. */
+/* Makes the plan that the allocation finds with a pair of shares; false where none fits, or an earlier pair
+ * gave the same. */
 static bool think(const enc_factor_matrix *m, const enc_components components[ENC_FACTOR_CHANNELS],
                   const double thought[2], uint64_t budget, const enc_factor_plan *known, int n_known,
                   enc_factor_plan *out) {
@@ -102,7 +104,8 @@ btf_result enc_choose_plan(const enc_factor_matrix *m, const enc_components comp
     }
     for (int i = 0; i < count && count > 1; i++) {
         double error;
-        const btf_result result = error_of(m, components, &plans[i], sweeps < MOST_SWEEPS ? sweeps : MOST_SWEEPS, &error);
+        const btf_result result =
+            error_of(m, components, &plans[i], sweeps < MOST_SWEEPS ? sweeps : MOST_SWEEPS, &error);
         if (result != BTF_OK) {
             return result;
         }

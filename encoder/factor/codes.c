@@ -12,7 +12,7 @@ bool enc_factor_unit_is_pure(const enc_factor_plan *plan, int class, uint32_t un
     return class > 0 && unit * ENC_FACTOR_UNIT_WORDS >= chroma;
 }
 
-/* Places the components of a channel that are of one class, from component `at` on. first_unit,
+/* Sets the places of the components that one channel has in a class, from component `at` on. first_unit,
  * first_texel: where the class begins. */
 static void place_class(const enc_factor_plan *plan, int class, int channel, uint32_t first_unit,
                         uint32_t first_texel, size_t count, enc_factor_place *out) {

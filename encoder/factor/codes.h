@@ -14,7 +14,9 @@ typedef struct enc_factor_place {
     uint8_t word;  /* 0 .. 3 of its unit */
     uint8_t index; /* in the word */
     uint16_t unit, u_texel;
-    uint16_t group; /* 4 * unit + word of its scale: of the first word where the unit has one for all */
+    uint16_t
+        group; /* 4 * unit + word, of the word whose scale it has: the first of the unit where one scale
+                       serves all four */
 } enc_factor_place;
 
 typedef struct enc_factor_channel {
@@ -32,7 +34,7 @@ typedef struct enc_factor_codes {
     enc_factor_channel channel[ENC_FACTOR_CHANNELS];
 } enc_factor_codes;
 
-/* The kept components of a plan, copied, unrounded, with steps of 0. Errors: BTF_ERROR_MEMORY. */
+/* Copies the components that a plan keeps, not rounded yet, with steps of 0. Errors: BTF_ERROR_MEMORY. */
 btf_result enc_factor_codes_create(const enc_factor_matrix *matrix, const enc_factor_plan *plan,
                                    const enc_components components[ENC_FACTOR_CHANNELS],
                                    enc_factor_codes *out_codes);

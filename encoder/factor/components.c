@@ -12,9 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Energy, as a share of the first component's, below which even sums in double find nothing. Components below
- * ENC_COMPONENTS_ROUNDING are no waste where data have so few that codes of units are free: the descent makes up by them for
- * the rounding of the strong ones. btf-sample flat, 32x32 texels, in 243 kB: 82.5 / 83.1 dB with them, 71.8 / 72.1 without. */
+/* Energy, as a share of the first component's, below which even sums in double find nothing. Components
+ * below ENC_COMPONENTS_ROUNDING are of use where data have so few that units have codes to spare: the
+ * descent corrects the rounding of the strong ones with them. btf-sample flat, 32x32 texels, in 243 kB:
+ * 82.5 / 83.1 dB with them, 71.8 / 72.1 without. */
 #define LEAST_ENERGY 1e-20
 
 enum { MOST_ROUNDS = 6 };
@@ -33,7 +34,7 @@ static void fill_random(size_t count, uint32_t seed, float *out) {
     }
 }
 
-/* How far rows are from being orthonormal, by their Gram matrix. */
+/* How far rows are from being orthonormal: the largest deviation of their Gram matrix from the identity. */
 static double deviation(size_t rank, const double *gram) {
     double most = 0;
     for (size_t i = 0; i < rank * rank; i++) {
@@ -42,9 +43,10 @@ static double deviation(size_t rank, const double *gram) {
     return most;
 }
 
-/* Makes rows orthonormal by two rounds of Cholesky QR (Yamamoto, Nakatsukasa, Yanagisawa and Fukaya 2015), whose Gram matrices are
- * in double: the rows of a random product are almost parallel. Where the data have far fewer components
- * than rows are wanted, most rows are rounding of others, and a round or two more are needed. */
+/* Makes rows orthonormal by two rounds of Cholesky QR (Yamamoto, Nakatsukasa, Yanagisawa and Fukaya 2015),
+ * whose Gram matrices are in double: the rows of a random product are almost parallel. Where the data have
+ * far fewer components than rows are wanted, most rows are rounding of others, and a round or two more are
+ * needed. */
 bool enc_components_orthonormalise(const enc_factor_matrix *m, size_t rank, size_t count, float *x) {
     double *gram = malloc(2 * rank * rank * sizeof *gram), *inverse = gram ? gram + rank * rank : NULL;
     float *turn = malloc(rank * rank * sizeof *turn);
@@ -75,7 +77,7 @@ bool enc_components_orthonormalise(const enc_factor_matrix *m, size_t rank, size
     return done;
 }
 
-/* Turns orthonormal u, and w = u A, into components: the eigenvectors of w w^T turn both. */
+/* Turns orthonormal u, and w = u A, into components, by the eigenvectors of w w^T. */
 static bool finish(const enc_factor_matrix *m, const float *u, const float *w, enc_components *io) {
     const size_t sought = io->sought;
     double *gram = malloc(sought * sought * sizeof *gram);

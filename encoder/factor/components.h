@@ -11,7 +11,8 @@
 
 typedef struct enc_components {
     size_t rank;
-    float *u, *w; /* [rank][texel], [rank][column]: u_j and w_j have equal lengths, the root of the singular value */
+    float *u, *w; /* [rank][texel], [rank][column]: u_j and w_j have one length, the root of the singular
+                     value */
     double *energy; /* [rank]: squared singular values, falling; none is 0 */
     size_t sought;  /* components that were asked for, at most the smaller side of the matrix */
 } enc_components;
@@ -29,7 +30,7 @@ btf_result enc_components_find(const enc_factor_matrix *matrix, const size_t ran
 bool enc_components_orthonormalise(const enc_factor_matrix *matrix, size_t rank, size_t count, float *x);
 /* The energies of all channels, for plans. */
 enc_factor_energies enc_components_energies(const enc_components components[ENC_FACTOR_CHANNELS]);
-/* Copies all channels. Errors: BTF_ERROR_MEMORY; *out is for enc_components_clear then, too. */
+/* Copies all channels. Errors: BTF_ERROR_MEMORY; the caller clears out then, too. */
 btf_result enc_components_copy(const enc_factor_matrix *matrix,
                                const enc_components from[ENC_FACTOR_CHANNELS],
                                enc_components out[ENC_FACTOR_CHANNELS]);

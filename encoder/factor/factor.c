@@ -20,16 +20,16 @@
 /* Match is tried to the end where a survey expects it to leave at most MAY_PAY of the squared error that
  * the same bytes leave without it, and at most MAY_LEAVE of that which its own factors leave without
  * sources; it is kept where it gains at least MUST_GAIN dB, the mean of those of linear and of sRGB-coded
- * values. A survey expects too much error, as it follows one round of four to seven. Both figures and the
- * gains, of 64x64 texels and 81 directions at 2.36 MB: bricks of btf-sample 0.91, 0.71, 0.80 dB; BRICKS64
- * 0.99, 0.78, 0.45 dB; bumps 1.07, 0.81, 0.52 dB; UBO_IMPALLA64 1.10, 0.95, -0.36 dB. Of 32x32 texels:
- * weave 0.70, 0.57, 1.81 dB; bricks 0.79, 0.68, 1.34 dB; bumps 0.85, 0.72, 0.52 dB; flat 0.99, 0.99, -0.76
- * dB. */
+ * values. A survey overstates the error, as it follows the first of four to seven rounds. Both figures and
+ * the gains, of 64x64 texels and 81 directions at 2.36 MB: bricks of btf-sample 0.91, 0.71, 0.80 dB;
+ * BRICKS64 0.99, 0.78, 0.45 dB; bumps 1.07, 0.81, 0.52 dB; UBO_IMPALLA64 1.10, 0.95, -0.36 dB. Of 32x32
+ * texels: weave 0.70, 0.57, 1.81 dB; bricks 0.79, 0.68, 1.34 dB; bumps 0.85, 0.72, 0.52 dB; flat 0.99,
+ * 0.99, -0.76 dB. */
 #define MAY_PAY 1.12
 #define MAY_LEAVE 0.88
 #define MUST_GAIN 0.05
 
-/* An empty result of a plan's shape. */
+/* Makes an empty result of a plan's shape. */
 static enc_factors *factors_create(const enc_data *data, const enc_factor_plan *plan) {
     enc_factors *f = calloc(1, sizeof *f);
     if (!f) {
@@ -58,7 +58,7 @@ static enc_factors *factors_create(const enc_data *data, const enc_factor_plan *
     return f;
 }
 
-/* Rounded codes to the result, which takes the views' factors. */
+/* Packs rounded codes into the result, and moves the views' factors there. */
 static btf_result deliver(const enc_factor_matrix *m, enc_factor_codes *codes, enc_factor_error error,
                           enc_factors **out) {
     enc_factors *f = factors_create(m->data, &codes->plan);
@@ -79,7 +79,7 @@ static btf_result deliver(const enc_factor_matrix *m, enc_factor_codes *codes, e
 /* One candidate: its components, and the codes that they are rounded to. */
 typedef struct found {
     enc_components components[ENC_FACTOR_CHANNELS];
-    bool borrowed; /* components are those of the options' basis */
+    bool borrowed; /* the components belong to options->basis */
     enc_factor_plan plan;
     enc_match match; /* sources and gains, of a candidate with match */
     enc_match_bases bases;
@@ -104,7 +104,7 @@ static uint64_t match_bytes(const enc_factor_matrix *m) {
     return enc_match_bytes(m->texels, (size_t)m->data->n_views);
 }
 
-/* Bytes of components that stay for further encodes, of which match has a copy. */
+/* Bytes of the components that are kept for further encodes; match works on a copy of them. */
 static uint64_t basis_bytes(const enc_factor_matrix *m, const enc_factor_options *options) {
     uint64_t components = 0;
     for (int c = 0; c < ENC_FACTOR_CHANNELS && options->basis; c++) {
@@ -113,8 +113,8 @@ static uint64_t basis_bytes(const enc_factor_matrix *m, const enc_factor_options
     return sizeof(float) * components * (m->texels + m->columns);
 }
 
-/* Whether match may be tried: it wants the samples in memory, and room beside them, more with the
- * coordinates of the whole texture. */
+/* Whether match may be tried: the samples have to lie in memory, with room for the match beside them, and
+ * more room if `whole` holds the coordinates of the whole texture. */
 static bool has_room(const enc_factor_matrix *m, const enc_factor_options *options, bool whole) {
     const enc_data *d = m->data;
     const uint64_t budget = options->budget;
@@ -187,7 +187,8 @@ static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_opti
         if (!compared || f->trial.error.linear > 0) {
             return BTF_OK;
         }
-        enc_factors_destroy(&f->packed); /* of a run that had no room for match, and so did not measure */
+        enc_factors_destroy(&f->packed); /* it comes from a run without room for match, which measured
+                                            nothing */
         f->trial = (enc_factor_trial){0};
     }
     btf_result result = enc_factor_codes_create(m, &f->plan, f->components, &f->codes);
@@ -237,7 +238,8 @@ static btf_result find_match(const enc_factor_matrix *m, const enc_factor_option
 static btf_result encode_matched(const enc_factor_matrix *plain, const enc_factor_options *options,
                                  uint64_t budget, double most, double begin, found *f) {
     enc_factor_matrix m = *plain;
-    /* as many times as the preset has sweeps; presets without sweeps are asked for match by name alone */
+    /* in proportion to the preset's sweeps; a preset without sweeps comes here only if the user asked for
+     * match */
     const int some = options->sweeps * ENC_MATCH_CODE_ROUNDS / ENC_FACTOR_SWEEPS;
     const int rounds = some > 1 ? some : 1;
     m.match = &f->match;
@@ -259,15 +261,16 @@ static btf_result encode_matched(const enc_factor_matrix *plain, const enc_facto
     return result == BTF_OK ? finish(plain, options, begin, f) : result;
 }
 
-/* dB of the mean of linear and sRGB-coded values that b gains over a. */
+/* dB that b gains over a, the mean of linear and sRGB-coded values. */
 static double gained(enc_factor_error a, enc_factor_error b) {
     return 5 * log10(fmax(a.linear, 1e-10) / fmax(b.linear, 1e-10)) +
            5 * log10(fmax(a.srgb, 1e-10) / fmax(b.srgb, 1e-10));
 }
 
-/* Gives the components of one candidate to the other, with a plan for `budget` of `bytes`. *out_most: the
- * share of their squared error that match may leave if it is to pay, by the errors that the allocation
- * expects of both plans: too large ones of a plan that was chosen by trial. */
+/* Gives the components of one candidate to the other, with a plan for `budget`, which is part of `bytes`.
+ * *out_most: the share of the squared error of that plan's components that match may leave if it is to pay,
+ * by the errors that the allocation expects of both plans. Those of a plan that was chosen by trial it
+ * overstates. */
 static btf_result hand_over(const enc_factor_matrix *m, uint64_t bytes, uint64_t budget, found *plain,
                             found *matched, double *out_most) {
     const enc_factor_energies energies = enc_components_energies(plain->components);
@@ -394,8 +397,8 @@ static enc_factors *hand_out(const enc_factor_options *options, found f[2]) {
 }
 
 /* Refuses a budget that holds no unit, and names what would fit: a larger budget, fewer texels where the
- * directions alone leave room for any, or the one other material that is smaller, a reflectance of 16 bytes
- * a texel (FORMAT.md, section 4). */
+ * directions alone leave room for any, or the only smaller kind of material, a reflectance of 16 bytes a
+ * texel (FORMAT.md, section 4). */
 static btf_result refuse_budget(const enc_factor_matrix *m, uint64_t budget, bool match, uint64_t least) {
     enum { PAPER_TEXEL = 16 };
     const uint64_t a_texel = 16 + (match ? enc_match_bytes(1, (size_t)m->data->n_views) : 0);
@@ -460,7 +463,8 @@ uint64_t enc_factor_memory(int width, int height, int n_views, int n_lights, uin
     const uint64_t rank = ranks[0] + ranks[1] + ranks[2], longest = texels > columns ? texels : columns;
     const uint64_t factors = sizeof(float) * rank * (texels + columns);
     const uint64_t square = (uint64_t)ranks[0] * ranks[0];
-    /* the range finder turns one copy of the factors into another; then components, codes and a product */
+    /* the range finder turns one copy of the factors into another; later there are components, codes and a
+     * product */
     return 2 * factors + sizeof(float) * rank * longest + 24 * square + budget +
            enc_factor_product_memory(columns, rank, threads);
 }

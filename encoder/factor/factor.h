@@ -23,13 +23,15 @@ typedef enum enc_factor_match {
 
 typedef struct enc_factor_options {
     uint64_t budget; /* bytes on the GPU, at most: texels of u and w, scales, views' factors, lists of match */
-    int sweeps;      /* rounds of descent; 0: none. ENC_FACTOR_SWEEPS is where more gain little */
-    enc_factor_match match; /* ENC_FACTOR_MATCH wants samples in memory; without them none is chosen */
+    int sweeps;      /* rounds of descent; 0: none. More than ENC_FACTOR_SWEEPS gain little */
+    enc_factor_match match; /* ENC_FACTOR_MATCH needs samples in memory; ENC_FACTOR_CHOOSE_MATCH does without
+                               match where they are not */
     bool gain;              /* with match; else all gains are 1 */
     double tolerance; /* dB that a tenth more bytes must gain at samples left out of the fit; 0: the budget
                          is filled */
     bool measure;    /* the error at the samples is wanted: one more pass over them */
-    int number;      /* of the encode, where one job makes several: its steps in a checkpoint have it */
+    int number;      /* of the encode, where one job makes several: in the names of its steps in a
+                        checkpoint */
     /* NULL, or the components of all encodes of a job, [channel]: zeroed, they are found and stay here, for
      * the caller to clear; else they come from an encode of the same data by no smaller a budget, and are
      * not looked for again. With a tolerance of 0. */

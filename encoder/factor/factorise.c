@@ -10,11 +10,12 @@
 
 enum {
     POWER_STEPS = 1,
-    CHROMA_SHARE = 8, /* luma has so many times the components of a chroma channel, to begin with */
+    CHROMA_SHARE = 8, /* luma is first searched for so many times the components of a chroma channel */
     SPARE = 24,       /* components beyond what the budget is thought to hold */
 };
 
-/* Bits of a factor, by which the components that a budget holds are estimated: measured materials take 3.3. */
+/* Bits of a factor, by which the number of components that a budget holds is estimated. Measured materials
+ * take 3.3. */
 #define MEAN_BITS 3.2
 
 double enc_factorise_expected(uint64_t budget) {
@@ -44,8 +45,8 @@ static size_t missing(const enc_factor_matrix *m, const enc_components *componen
     return all && more ? 2 * components->sought : 0;
 }
 
-/* The plan for components: without a tolerance one that fills the budget, else one that leaves out what is
- * noise and stops where more bytes do not pay. asked: channels that were found anew. */
+/* Makes the plan for components: without a tolerance one that fills the budget, else one that leaves out
+ * what is noise and stops where more bytes do not pay. asked: channels whose components are new. */
 static btf_result make_plan(const enc_factor_matrix *m, uint64_t budget, double tolerance,
                             const enc_components components[ENC_FACTOR_CHANNELS],
                             const bool asked[ENC_FACTOR_CHANNELS], enc_signal *io_signal,

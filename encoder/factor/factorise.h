@@ -9,17 +9,17 @@
 #include "encoder/allocation/allocate.h"
 #include "encoder/model/trial.h"
 
-/* Finds components and a plan for them within `budget` bytes: with a tolerance of 0 one that fills it, else one that leaves
- * out what is noise and stops where a tenth more bytes gains less than `tolerance` dB (stop.h). Channels whose components
- * turn out too few are searched again for twice as many. A plan of few units is chosen by trial, rounded `sweeps` times
- * (choose_plan.h). Stage "factorise". Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; components may be
- * there and are to be cleared. */
+/* Finds components and a plan for them within `budget` bytes: with a tolerance of 0 one that fills it, else
+ * one that leaves out what is noise and stops where a tenth more bytes gains less than `tolerance` dB
+ * (stop.h). Channels whose components turn out too few are searched again for twice as many. A plan of few
+ * units is chosen by trial, with `sweeps` as there (choose_plan.h). Stage "factorise". Errors:
+ * BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; the caller clears the components then, too. */
 btf_result enc_factorise(const enc_factor_matrix *matrix, uint64_t budget, double tolerance, int sweeps,
                          enc_components out_components[ENC_FACTOR_CHANNELS], enc_factor_plan *out_plan,
                          enc_unspent *out_unspent);
 
-/* The bytes that each of two candidates may use: those that pay without match; where these leave less than a unit of the
- * budget, the budget. */
+/* The bytes that each of two candidates may use: those that pay without match; where these leave less than
+ * a unit of the budget, the budget. */
 uint64_t enc_factorise_equal_bytes(const enc_factor_matrix *matrix, uint64_t budget,
                                    const enc_unspent *unspent);
 

@@ -19,7 +19,7 @@ typedef struct level_channel {
     size_t rank;
     size_t *component; /* [rank] its place among the levels of a texel */
     float *top;        /* [rank] the largest level */
-    bool *bytes;       /* [rank] levels step by 1, with a zero; else by 2 */
+    bool *bytes;       /* [rank] true: levels in steps of 1, with a zero; false: in steps of 2 */
     float *w;          /* [rank][column] value of a level of u */
     float *product;    /* [rank][texel] of the samples and w */
     float *gram;       /* [rank][rank] */
@@ -58,7 +58,7 @@ static bool allocate_channel(const level_fit *fit, level_channel *of) {
     return of->component && of->top && of->bytes && of->w && of->product && of->gram;
 }
 
-/* The components of each channel, in the order of the units. */
+/* Lists the components of each channel, in the order of the units. */
 static bool list_components(level_fit *fit) {
     const enc_factor_store *f = &fit->base->factors;
     for (size_t i = 0; i < f->units; i++) {
@@ -83,7 +83,7 @@ static bool list_components(level_fit *fit) {
     return true;
 }
 
-/* w of one pair of directions, in the orthonormal axes of matrix.h. */
+/* Fills in w of one pair of directions, in the orthonormal channels of matrix.h. */
 static void fill_column(const level_fit *fit, size_t column, int16_t *levels) {
     static const float axis[CHANNELS] = {0.57735027f, 0.70710678f, 0.40824829f};
     const enc_factor_store *f = &fit->base->factors;
@@ -149,7 +149,8 @@ static float nearest_level(float x, float top, bool bytes) {
     return fminf(fmaxf(level, -top), top);
 }
 
-/* Sweeps of coordinate descent of x^T G x - 2 x^T p; gradient = p - G x. */
+/* Makes sweeps of coordinate descent on x^T G x - 2 x^T p; gradient is p - G x. coded: x moves from level
+ * to level, else freely. */
 static void descend(const level_channel *of, int sweeps, bool coded, float *x, float *gradient) {
     const size_t rank = of->rank;
     for (int sweep = 0; sweep < sweeps; sweep++) {
@@ -171,7 +172,7 @@ static void descend(const level_channel *of, int sweeps, bool coded, float *x, f
     }
 }
 
-/* Levels of one texel: x and gradient take a channel's. */
+/* Fits the levels of one texel; x and gradient have room for those of a channel. */
 static void fit_texel(const level_fit *fit, size_t texel, float *x, float *gradient, int16_t *levels) {
     const size_t texels = enc_data_texel_count(fit->data);
     for (int c = 0; c < CHANNELS; c++) {

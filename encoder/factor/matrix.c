@@ -93,7 +93,7 @@ ENC_CLONES static void split_profile(size_t n, float most, const float *restrict
     }
 }
 
-/* Adds the channels of samples times `gain`. */
+/* Adds `gain` times the roots of n samples, split into channels. */
 ENC_CLONES static void add_profile(size_t n, float most, float gain, const float *restrict rgb,
                                    float *restrict y, float *restrict c1, float *restrict c2) {
     const float third = gain * 0.57735027f, half = gain * 0.70710678f, sixth = gain * 0.40824829f;
@@ -112,12 +112,12 @@ void enc_factor_split_profile(const enc_factor_matrix *m, size_t texel, size_t v
     split_profile(lights, m->most, rgb, out[0], out[1], out[2]);
 }
 
-/* Views that are loaded; the columns of others are left as they are. */
+/* The views that are loaded; the columns of others stay as they are. */
 typedef struct view_range {
     size_t first, end;
 } view_range;
 
-/* The row of a source: the sum of the samples of the texels that refer to it, times their gains. */
+/* Makes the row of a source: the sum of the samples of the texels that refer to it, times their gains. */
 static void gather_row(const enc_factor_matrix *m, size_t source, view_range views, float *const out[3]) {
     const enc_match *match = m->match;
     const size_t lights = (size_t)m->data->n_lights, stride = enc_data_texel_stride(m->data);
@@ -227,7 +227,7 @@ static btf_result complete(const enc_factor_matrix *m, btf_result result, const 
     return result;
 }
 
-/* The product of a panel of texels; `split` as load gives it. */
+/* Multiplies a panel of texels with w; `split` is as load gives it. */
 static void multiply_texels(const enc_factor_matrix *m, const enc_factor_set *w, const float *packed,
                             size_t first, size_t count, float *const split[3], float *panel,
                             const enc_factor_set *out) {
@@ -287,8 +287,8 @@ static void multiply_columns(const enc_factor_matrix *m, const enc_factor_set *u
     }
 }
 
-/* Adds a block of texels to the columns of this rank. It reads all texels for that; of samples in memory it reads
- * only the views that its columns belong to. */
+/* Adds a block of texels to the columns of this rank, for which the rank reads every texel; where samples
+ * lie in memory, only the views that its columns belong to. */
 static btf_result add_block(const enc_factor_matrix *m, const enc_factor_set *u, size_t first, size_t count,
                             float *const split[3], float *buffer, float *packed, float *panels,
                             const enc_factor_set *out) {
@@ -318,7 +318,8 @@ static btf_result add_block(const enc_factor_matrix *m, const enc_factor_set *u,
     }
 #pragma omp parallel for schedule(dynamic) num_threads(m->context->threads)
     for (size_t at = begin; at < end; at += SPAN) {
-        multiply_columns(m, u, packed, count, at, end - at < SPAN ? end - at : SPAN, split, panels + enc_thread_index() * SPAN * BLOCK, out);
+        multiply_columns(m, u, packed, count, at, end - at < SPAN ? end - at : SPAN, split,
+                         panels + enc_thread_index() * SPAN * BLOCK, out);
     }
     return BTF_OK;
 }

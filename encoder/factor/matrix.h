@@ -26,7 +26,7 @@ typedef struct enc_factor_matrix {
     const enc_context *context;
     const enc_data *data;
     /* NULL, or: rows are those of sources, each the sum of the samples of the texels that refer to it,
-     * times their gains. It takes samples in memory. */
+     * times their gains. Samples must be in memory then. */
     const enc_match *match;
     size_t texels, columns;
     const uint32_t *list; /* [texels] of the data, where the rows are some of them; NULL: all */
@@ -50,21 +50,22 @@ typedef struct enc_factor_set {
     float *factor[ENC_FACTOR_CHANNELS];
 } enc_factor_set;
 
-/* out [rank][texel] = w A^T of each channel. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED.
- */
+/* Computes out [rank][texel] = w A^T of each channel. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO,
+ * BTF_ERROR_INTERRUPTED. */
 btf_result enc_factor_times_w(const enc_factor_matrix *matrix, const enc_factor_set *w,
                               const enc_factor_set *out);
-/* out [rank][column] = u A. */
+/* Computes out [rank][column] = u A of each channel. Errors as above. */
 btf_result enc_factor_times_u(const enc_factor_matrix *matrix, const enc_factor_set *u,
                               const enc_factor_set *out);
 
-/* Sums of squares of the residual A - u w of each channel, at the columns where `of_columns` [column] is
+/* Sums the squares of the residual A - u w of each channel, over the columns where `of_columns` [column] is
  * not 0. Errors as above. */
 btf_result enc_factor_residual(const enc_factor_matrix *matrix, const enc_factor_set *u,
                                const enc_factor_set *w, const uint8_t *of_columns,
                                double out_sums[ENC_FACTOR_CHANNELS]);
 
-/* The channels of a texel in one view: out[channel] [n_lights]. Samples must be in memory. */
+/* Splits the roots of a texel's samples in one view into channels: out[channel] [n_lights]. Samples must be
+ * in memory. */
 void enc_factor_split_profile(const enc_factor_matrix *matrix, size_t texel, size_t view,
                               float *const out[ENC_FACTOR_CHANNELS]);
 

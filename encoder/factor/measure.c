@@ -14,7 +14,7 @@
 
 enum { BLOCK = 4 * ENC_GEMM_M }; /* texels that a thread decodes at a time */
 
-/* Red, green and blue of `n` samples from their channels, clipped, linear. */
+/* Turns the channels of `n` samples into linear red, green and blue, clipped. */
 ENC_CLONES static void compose(size_t n, const float *restrict y, const float *restrict c1,
                                       const float *restrict c2, float *restrict rgb) {
     const float third = 0.57735027f, half = 0.70710678f, sixth = 0.40824829f;
@@ -43,7 +43,7 @@ typedef struct decoder {
     const float *packed_w[ENC_FACTOR_CHANNELS]; /* of all columns; with a match, view by view */
 } decoder;
 
-/* Panels that w is packed in. */
+/* The number of panels that w is packed in. */
 static size_t panels_of_w(const decoder *d) {
     return d->matrix->match ? d->codes->views * enc_gemm_panels(d->codes->lights, ENC_GEMM_N)
                             : enc_gemm_panels(d->matrix->columns, ENC_GEMM_N);
@@ -59,7 +59,7 @@ static void pack_w(const decoder *d, int c, float *packed) {
     }
 }
 
-/* u of the sources of texels in one view, times their gains. */
+/* Gathers u of the sources of texels in one view, times their gains, in panels. */
 static void gather_u(const decoder *d, int c, size_t view, size_t first, size_t count, float *left) {
     const enc_match *match = d->matrix->match;
     const enc_factor_channel *channel = &d->codes->channel[c];
@@ -74,7 +74,7 @@ static void gather_u(const decoder *d, int c, size_t view, size_t first, size_t 
     }
 }
 
-/* out [count][columns] of one channel. */
+/* Decodes one channel of `count` texels: out [count][columns]. */
 static void decode_channel(const decoder *d, int c, size_t first, size_t count, float *left, float *out) {
     const enc_factor_matrix *m = d->matrix;
     const size_t rank = d->codes->channel[c].rank, lights = d->codes->lights;
@@ -95,7 +95,8 @@ static const enc_data *truth_of(const enc_factor_matrix *m) {
     return m->data->original ? m->data->original : m->data;
 }
 
-/* work: left panels [BLOCK][most rank], three blocks, one profile, samples. */
+/* Adds the squared errors of a block of texels. work: left panels [BLOCK][most rank], three blocks, one
+ * profile, samples. */
 static btf_result measure_block(const decoder *d, size_t first, size_t count, size_t most, float *work,
                                 enc_factor_error *sum) {
     const enc_factor_matrix *m = d->matrix;
@@ -154,6 +155,7 @@ btf_result enc_factor_measure(const enc_factor_matrix *m, const enc_factor_codes
     const size_t each = (BLOCK * (most + 3 * m->columns) + 3 * codes->lights + buffer + 15) / 16 * 16;
     const size_t blocks = (m->texels + BLOCK - 1) / BLOCK;
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+    /* by block, and added up in the order of blocks, whatever thread or rank measured which */
     enc_factor_error *sums = calloc(blocks, sizeof *sums);
     btf_result result = BTF_ERROR_MEMORY;
     *out_error = (enc_factor_error){0};

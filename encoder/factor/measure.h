@@ -13,8 +13,8 @@ typedef struct enc_factor_error {
     double srgb; /* of values with the sRGB curve */
 } enc_factor_error;
 
-/* One pass over the samples. The same bits for any number of threads and ranks, which share it. Errors:
- * BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
+/* Measures the codes in one pass over the samples. The same bits for any number of threads and ranks, which
+ * share it. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED. */
 btf_result enc_factor_measure(const enc_factor_matrix *matrix, const enc_factor_codes *codes,
                               enc_factor_error *out_error);
 

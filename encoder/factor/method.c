@@ -27,8 +27,8 @@ static float horizon_scale(const enc_data *data) {
     return fminf(fmaxf(scale, 1.0f), 0x1p24f);
 }
 
-/* The views' factors are about 1, and the scales of weak components may be less than files hold: scales are
- * multiplied by this and factors divided, which changes no bit of a decoded value. */
+/* Scales of weak components may be less than files can hold, while the views' factors are about 1. So
+ * scales are multiplied by this and factors divided by it, which changes no bit of a decoded value. */
 static const float balance = 0x1p12f;
 
 /* The number that a file holds for x: 0 for magnitudes below the least it may hold. */
@@ -100,7 +100,7 @@ static double psnr(double mean) {
     return mean > 1e-10 ? -10 * log10(mean) : 100;
 }
 
-/* Bytes of the textures without the tables, as reports count them. */
+/* Bytes of an encode's textures without the tables, as reports count them. */
 static uint64_t gpu_bytes(const enc_data *data, uint64_t bytes, int n_units) {
     const uint64_t tables = 16 * ((uint64_t)n_units + ENC_STORE_TIERS * (uint64_t)data->n_views);
     return bytes > tables ? bytes - tables : 0;

@@ -1,4 +1,4 @@
-/* A BTF as factors, with match and gain or without, from data to a solution.
+/* Encodes a BTF as factors, with match and gain or without: from data to a solution.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,7 +9,7 @@
 #include "encoder/model/trial.h"
 
 enum {
-    ENC_FACTORS_TRIALS = 5, /* encodes that a search for a quality takes beside the first ones, at most */
+    ENC_FACTORS_TRIALS = 5, /* the most encodes that a search for a quality adds to the first */
 };
 
 typedef struct enc_factors_settings {
@@ -20,8 +20,9 @@ typedef struct enc_factors_settings {
      * others, times a gain with BTF_EFFECT_GAIN; a file then holds both, and the gains are 1 without it. Not
      * read where `choose` is set. */
     uint32_t effects;
-    bool choose; /* shift and gain, both or neither: both where a survey says that they may pay, and they do
-                    at the same bytes */
+    bool
+        choose; /* take shift and gain where a survey says that they may pay and an encode shows that they do
+                    at the same bytes; else neither */
     double tolerance; /* dB that a tenth more bytes must gain at samples left out of the fit; 0: the budget
                          is filled */
 } enc_factors_settings;

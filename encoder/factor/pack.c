@@ -1,7 +1,7 @@
 /* Codes into words. See pack.h.
  *
- * The places of the codes of u in their words are those that a packed dot product with the codes of w wants
- * (FORMAT.md): the shader multiplies words, and products that fall on one field of bits add up.
+ * The codes of u lie in their words so that a shader forms a dot product with the codes of w by multiplying
+ * words (FORMAT.md): products that fall on one field of bits add up.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -45,7 +45,8 @@ static void pack_w(const enc_factor_codes *codes, int c, size_t j, uint32_t *out
     }
 }
 
-/* Components that share words follow one another: a thread takes a group of scales. */
+/* Whether component j begins a group that shares a scale. Such components share words and follow one
+ * another, so that a thread takes them together. */
 static bool begins_group(const enc_factor_channel *channel, size_t j) {
     return j == 0 || channel->place[j - 1].group != channel->place[j].group;
 }

@@ -51,8 +51,8 @@ typedef struct enc_factors {
 
 void enc_factors_destroy(enc_factors **factors);
 
-/* texels [u texel][texel][4] and directions [unit][column][4], zeroed by the caller; scales [unit][4] of
- * the values in red, green and blue, by the axis of the word's channel. */
+/* Packs codes into texels [u texel][texel][4] and directions [unit][column][4], which the caller zeroes,
+ * and scales [unit][4], which are those of red, green and blue along the axis of the word's channel. */
 void enc_factor_pack(const enc_context *context, const enc_factor_codes *codes, uint32_t *texels,
                      uint32_t *directions, float *scales);
 

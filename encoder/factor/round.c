@@ -19,10 +19,10 @@
 enum {
     LANES = ENC_GEMM_N, /* texels or columns that are refined together */
     PANEL = ENC_GEMM_M, /* components */
-    REFIT_SWEEPS = 3,   /* of u against rounded w, before u is rounded */
+    REFIT_SWEEPS = 3,   /* sweeps that fit u to rounded w before u is rounded */
     STEP_TRIALS = 24,
-    SAMPLE_SHARE = 2, /* rounds against components for one against samples */
-    TURNS = 3,        /* of a factor's components, against one product */
+    SAMPLE_SHARE = 2, /* rounds against the components found for each round against the samples */
+    TURNS = 3,        /* sweeps over a factor's components for each product */
 };
 #define STEP_RATIO 0.88f /* of one step that is tried to the one before */
 
@@ -98,8 +98,8 @@ static double group_error(const factor *f, size_t first, size_t end, float step)
     return error;
 }
 
-/* The step of least error for the components first .. end - 1 of a group: that which puts the largest value
- * at the top level, or a smaller one, which clips. */
+/* Finds the step of least error for the components first .. end - 1 of a group: that which puts the largest
+ * value at the top level, or a smaller one, which clips. */
 static float best_step(const factor *f, size_t first, size_t end) {
     float most = 0;
     for (size_t j = first; j < end; j++) {
@@ -121,7 +121,7 @@ static float best_step(const factor *f, size_t first, size_t end) {
     return best;
 }
 
-/* The steps of all groups of a channel. */
+/* Finds the steps of all groups of a channel. */
 static void find_steps(const enc_context *context, const factor *f) {
     const enc_factor_channel *channel = &f->codes->channel[f->channel];
 #pragma omp parallel for schedule(dynamic) num_threads(context->threads)
@@ -141,7 +141,7 @@ static void find_steps(const enc_context *context, const factor *f) {
     }
 }
 
-/* Energy of a component in each view over its mean, added to sums [tier][view]. */
+/* Adds the energy of a component in each view, over the mean of the views, to sums [tier][view]. */
 static void add_view_energies(const enc_factor_codes *codes, const enc_factor_channel *channel, size_t j,
                               double *energy, double *sums) {
     const size_t tier = enc_factor_classes[channel->place[j].class].tier;
@@ -159,7 +159,8 @@ static void add_view_energies(const enc_factor_codes *codes, const enc_factor_ch
     }
 }
 
-/* A view's factor: how far its w are from the rms of their components, by tier. */
+/* Finds the views' factors, by tier and channel: how much larger w is in a view than over all views, by the
+ * mean of the components' energies. */
 static bool find_view_factors(enc_factor_codes *codes) {
     const size_t views = codes->views;
     double *sums = malloc((ENC_FACTOR_TIERS + 1) * views * sizeof *sums);
@@ -197,7 +198,7 @@ typedef struct problem {
     int sweeps;
 } problem;
 
-/* gram = f f^T of f [rank][count], packed for products with it from the left. */
+/* Finds f f^T of f [rank][count], packed as the left operand of products. */
 static bool find_gram(int threads, size_t rank, size_t count, const float *f, float *packed_out) {
     float *gram = enc_gemm_alloc(rank * rank);
     const bool done = gram && enc_rows_dot(threads, rank, f, rank, f, count, gram);
@@ -230,7 +231,8 @@ ENC_CLONES static void settle(const float *gram_row, size_t j, size_t after, boo
     }
 }
 
-/* A sweep over x [rank][LANES]; product likewise; views: factors of the lanes, [tier][LANES]. */
+/* Makes a sweep over x [rank][LANES]; product has the same shape. views: the views' factors of the lanes,
+ * [tier][LANES]. */
 static void sweep(const problem *p, const float *product, const float *views, float *x) {
     const enc_factor_channel *channel = &p->factor.codes->channel[p->factor.channel];
     _Alignas(64) float seen[PANEL * LANES], step[LANES];
@@ -316,9 +318,9 @@ static void round_w(const enc_context *context, enc_factor_codes *codes, int cha
     }
 }
 
-/* Products of the held factor with the samples, or with the components that stand for them (NULL: the
- * samples themselves): the residual beyond the components found is small, and has little in common with the
- * codes. */
+/* Finds the products of the held factor with the components that were found, or, where these are NULL, with
+ * the samples. Components may stand for the samples since what lies beyond them is small and has little in
+ * common with the codes. */
 static btf_result find_products(const enc_factor_matrix *m, const enc_factor_codes *codes, bool of_w,
                                 const enc_components *components, const enc_factor_set *out) {
     enc_factor_set held = {0};
@@ -345,7 +347,7 @@ static btf_result find_products(const enc_factor_matrix *m, const enc_factor_cod
     return room ? BTF_OK : no_memory(m);
 }
 
-/* The first codes of u: fitted to rounded w, then rounded in turn. */
+/* Fits u to rounded w and finds the steps of u. */
 static btf_result begin_u(const enc_factor_matrix *m, enc_factor_codes *codes, int c, const float *product) {
     const factor u = factor_of(codes, c, false);
     const btf_result result = refine(m, codes, c, false, product, false, REFIT_SWEEPS);
@@ -353,7 +355,7 @@ static btf_result begin_u(const enc_factor_matrix *m, enc_factor_codes *codes, i
     return result;
 }
 
-/* Products, then each channel refined. */
+/* Finds the products, then refines each channel. */
 static btf_result descend(const enc_factor_matrix *m, enc_factor_codes *codes, bool of_w, bool begin,
                           const enc_components *components, const enc_factor_set *product) {
     btf_result result = enc_cancelled(m->context) ? BTF_ERROR_INTERRUPTED
@@ -369,7 +371,7 @@ static btf_result descend(const enc_factor_matrix *m, enc_factor_codes *codes, b
     return result;
 }
 
-/* `rounds` of descent on w and u in turn. */
+/* Makes `rounds` rounds of descent on w and u in turn. */
 static btf_result alternate(const enc_factor_matrix *m, enc_factor_codes *codes, int rounds,
                             const enc_components *components, const enc_factor_set *product) {
     btf_result result = BTF_OK;

@@ -11,7 +11,7 @@
 
 enum {
     DEPTH = 1024,
-    MESSAGE = 1 << 24, /* bytes of rows that go from rank to rank at a time, if one row is not more */
+    MESSAGE = 1 << 24, /* bytes of rows that go from rank to rank at a time, or one row if that is more */
 };
 
 bool enc_rows_dot(int threads, size_t n_a, const float *a, size_t n_b, const float *b, size_t count,
@@ -58,7 +58,7 @@ bool enc_rows_turn(int threads, size_t n_out, size_t n, const float *turn, size_
     return room;
 }
 
-/* The columns that a rank works out. */
+/* Finds the columns that a rank computes. */
 static void range_of(const enc_context *context, int rank, size_t count, size_t unit, size_t *out_first,
                      size_t *out_end) {
     enc_ranks_range_of(context, rank, (count + unit - 1) / unit, out_first, out_end);
@@ -80,7 +80,8 @@ static void copy_part(size_t n, size_t row_bytes, size_t first, size_t part_byte
     }
 }
 
-/* Some rows in one message: the columns of the first rank of all of them, then those of the next. */
+/* Completes some rows by one message, which has the columns of the first rank, of all these rows, then
+ * those of the next rank. */
 static btf_result complete_some(const enc_context *context, btf_result result, size_t n, size_t count,
                                 size_t unit, size_t item_bytes, unsigned char *rows, size_t *bounds,
                                 unsigned char *message) {

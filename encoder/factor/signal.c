@@ -165,7 +165,7 @@ static void clear(blocks *b) {
     free(b->column_left_out);
 }
 
-/* Copies rows [rank][column] with nought at the columns that are not of the kind. */
+/* Copies rows [rank][column], with 0 at the columns that are not of the kind: left out, or kept. */
 static void copy_columns(const blocks *b, size_t rank, const float *from, bool left_out, float *to) {
     const size_t columns = b->all->columns;
 #pragma omp parallel for schedule(static) num_threads(b->all->context->threads)
@@ -206,8 +206,8 @@ static bool decompose(blocks *b, int c) {
     return done;
 }
 
-/* Fits the components of the block that is kept. The search begins at the components of all samples; the
- * left-out samples in these change its result in second order only. */
+/* Fits components to the block that is kept. The search starts from the components of all samples; that
+ * those have seen the left-out samples changes its result in second order only. */
 static btf_result fit(blocks *b, const enc_components components[3]) {
     const enc_factor_matrix *m = &b->kept;
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
@@ -229,8 +229,8 @@ static btf_result fit(blocks *b, const enc_components components[3]) {
     return result;
 }
 
-/* Gains at left-out samples, component by component: 2 p_i A q_i - |p_i q_i|^2 - 2 sum over j < i of
- * (p_i p_j) (q_i q_j), with p = B V and q = S^-1 U^T C; product: p A at left-out columns. */
+/* Finds the gains at left-out samples, component by component: 2 p_i A q_i - |p_i q_i|^2 - 2 sum over j < i
+ * of (p_i p_j) (q_i q_j), with p = B V and q = S^-1 U^T C; product: p A at left-out columns. */
 static bool find_gains(const blocks *b, int c, const float *product, double *gain) {
     const size_t rank = b->first.rank[c], columns = b->all->columns;
     const int threads = b->all->context->threads;
@@ -254,12 +254,12 @@ static bool find_gains(const blocks *b, int c, const float *product, double *gai
     return p_gram != NULL;
 }
 
-/* Shares of a channel's components from the gains at left-out samples. */
+/* Finds the shares of a channel's components from the gains at left-out samples. */
 static bool find_shares(const blocks *b, int c, size_t found, const double *gain, enc_signal *out) {
     const size_t rank = b->first.rank[c];
     const double rows = (double)b->kept.texels, columns = (double)(b->all->columns - b->columns_left_out);
     const double scale = (double)b->left_out.texels * (double)b->columns_left_out /
-                         (rows * columns); /* to as many samples */
+                         (rows * columns); /* from the samples kept to those left out */
     double *energy = malloc((rank + 1) * sizeof *energy);
     for (size_t j = 0; j < rank && energy; j++) {
         energy[j] = scale * fmax(b->squares[c][j], 1e-30);
@@ -301,6 +301,7 @@ static btf_result judge(blocks *b, const enc_components components[3], const boo
                           find_shares(b, c, components[c].rank, gain, out);
         result = room ? BTF_OK : no_memory(m);
         free(gain);
+        /* the floor is the error of the components that gain, so that the others are cut off before it */
         b->of_rows.rank[c] = b->first.rank[c] =
             out->rank[c] < b->first.rank[c] ? out->rank[c] : b->first.rank[c];
     }
@@ -344,7 +345,8 @@ btf_result enc_signal_find(const enc_factor_matrix *m, const enc_components comp
     if (room && is_small(m)) {
         for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
             const double *energy = components[c].energy;
-            for (size_t j = 0; asked[c] && j < components[c].rank && energy[j] > ENC_COMPONENTS_ROUNDING * energy[0]; j++) {
+            for (size_t j = 0;
+                 asked[c] && j < components[c].rank && energy[j] > ENC_COMPONENTS_ROUNDING * energy[0]; j++) {
                 io->share[c][j] = 1;
                 io->rank[c] = j + 1;
             }

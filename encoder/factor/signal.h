@@ -25,23 +25,22 @@ typedef struct enc_signal {
 } enc_signal;
 
 enum {
-    ENC_SIGNAL_MOST_TEXELS = 16384,     /* of larger materials, so many take part, evenly chosen */
+    ENC_SIGNAL_MOST_TEXELS = 16384,     /* of a larger material so many texels are used, evenly chosen */
     ENC_SIGNAL_LEAST_SAMPLES = 1 << 17, /* texels times pairs; below that, all is signal */
 };
 
-/* Judges components that enc_components_find found in the same matrix, of the channels that are `asked`
- * for; results of the others stay. *io_signal is zeroed before the first call. Stage
- * "cross-validate". The same bits for any number of threads and ranks. Of small data all
- * is signal. Errors: BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; *io_signal
- * is for enc_signal_clear then, too. */
+/* Judges components that enc_components_find found in the same matrix, for the channels that are `asked`
+ * for; results of the others stay. *io_signal is zeroed before the first call. Stage "cross-validate". The
+ * same bits for any number of threads and ranks. Of small data all components count as signal. Errors:
+ * BTF_ERROR_MEMORY, BTF_ERROR_IO, BTF_ERROR_INTERRUPTED; the caller clears *io_signal then, too. */
 btf_result enc_signal_find(const enc_factor_matrix *matrix,
                            const enc_components components[ENC_FACTOR_CHANNELS],
                            const bool asked[ENC_FACTOR_CHANNELS], enc_signal *io_signal);
 void enc_signal_clear(enc_signal *signal);
 
-/* Share of the energy y^2 of a component that is gained where a block of `rows` x `columns` samples
- * predicts others (left_out), or its own samples free of noise; x2: energy of the signal over that of the
- * noise of as many samples as the longer side has. For tests. */
+/* The share of a component's energy y^2 that its prediction gains, where a block of `rows` x `columns`
+ * samples predicts other samples (left_out), or its own samples without their noise. x2: the energy of the
+ * signal over that of the noise of as many samples as the longer side has. Public for tests. */
 double enc_signal_share(double x2, double rows, double columns, bool left_out);
 
 #endif

@@ -211,7 +211,8 @@ static bool is_source(const enc_match *match, size_t point) {
            within_reach((int)(texel / width), (int)(source / width), match->height);
 }
 
-/* Into a match that has room, with the gains of a first search if it may have any. */
+/* Takes points into a match that has room for them, and has the gains of a first search if it may have
+ * any. */
 static void take_points(enc_blob *blob, enc_match *out) {
     const size_t points = out->texels * out->views;
     const bool gains = out->gains.count > 1;
@@ -228,7 +229,7 @@ static void take_points(enc_blob *blob, enc_match *out) {
     out->gains.count = count;
 }
 
-/* Another match of the same shape, without users. */
+/* Makes another match of the same shape, without users. */
 static bool create_like(const enc_match *match, enc_match *out) {
     const size_t points = match->texels * match->views;
     *out = *match;
@@ -312,7 +313,7 @@ typedef struct head {
     float gain_base, gain_step;
 } head;
 
-/* Elements of the arrays of a candidate. */
+/* How many elements the arrays of a candidate have. */
 typedef struct sizes {
     size_t texels, directions, scales, views, points;
 } sizes;
@@ -326,7 +327,7 @@ static sizes sizes_of(const enc_factor_matrix *m, const head *h) {
                    .points = h->match ? m->texels * views : 0};
 }
 
-/* Whether the numbers are those of an encode. */
+/* Whether the numbers may come from an encode. */
 static bool is_head(const head *h) {
     bool good = is_positive(h->core_seconds) && is_positive(h->linear) && is_positive(h->srgb) &&
                 h->omitted < ENC_FACTOR_OMISSIONS;
@@ -350,7 +351,7 @@ static bool is_head(const head *h) {
 
 static head head_of(const enc_factor_trial *trial, const enc_factors *f) {
     head h;
-    memset(&h, 0, sizeof h); /* gaps too: they go to a file */
+    memset(&h, 0, sizeof h); /* padding too, since it goes to a file */
     h.match = trial->match;
     h.omitted = trial->omitted;
     h.bytes = trial->bytes;
@@ -395,7 +396,7 @@ static const char *step_of(const enc_factor_trial *trial) {
     return trial->match ? "matched" : "factors";
 }
 
-/* NULL where no encode gives such arrays, or memory is short. */
+/* Takes the arrays of a candidate; NULL where no encode gives such arrays, or memory is short. */
 static enc_factors *take_arrays(const enc_factor_matrix *m, const head *h, enc_blob *blob) {
     const sizes n = sizes_of(m, h);
     enc_factors *f = malloc(sizeof *f);

@@ -1,7 +1,7 @@
 /* A walk over budgets. See stop.h.
  *
- * A plan costs a millisecond, so that each budget of a grid gets its own. Their bytes are whole units, and
- * two plans differ by more than a tenth of the bytes where units are few. The walk therefore stops at the
+ * A plan takes a millisecond, so that one is made for each budget of a grid. Plans have whole units; where
+ * these are few, two plans differ by more than a tenth of the bytes. The walk therefore stops at the
  * maximum of dB - tolerance * log(bytes) / log(1.1): beyond it no step, however wide, gains the tolerance
  * for each tenth more bytes.
  *
@@ -35,7 +35,8 @@ static bool plan_at(const walk *w, double budget, enc_factor_plan *plan, double 
     return found;
 }
 
-/* The bytes that pay. */
+/* Walks from the budget down to one unit, and notes the bytes that pay and what the budget gains over
+ * them. */
 static bool find_bytes(const walk *w, uint64_t budget, double tolerance, enc_unspent *unspent) {
     const double price = tolerance / log(ENC_STOP_MORE);
     enc_factor_plan plan;

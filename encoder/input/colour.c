@@ -112,7 +112,7 @@ void enc_decode_pixels(const enc_decoder *decoder, const enc_image *image, enc_r
     for (int row = 0; row < area.height; row++) {
         const size_t first = ((size_t)(area.y + row) * (size_t)image->width + (size_t)area.x) * channels;
         float *line = out + (size_t)row * width * 3;
-        /* Grey is decoded to the end of the line and spread from its beginning. */
+        /* Grey is decoded to the last third of the line, and spread over the line from its beginning. */
         float *decoded = line + (3 - channels) * width;
         decode_row(decoder, image, first, width * channels, decoded);
         if (channels == 1) {
@@ -146,9 +146,9 @@ void enc_flip_rows(float *pixels, int width, int height) {
     }
 }
 
-/* One axis: element i of the output covers [i * n, (i + 1) * n) in units of 1 / out_n of an input element.
- * Elements lie `stride` floats apart, each of 3 channels; `lines` lines lie line_in and line_out floats
- * apart. */
+/* Resizes along one axis: element i of the output covers [i * n, (i + 1) * n) in units of 1 / out_n of an
+ * input element. Elements lie `stride` floats apart, each of 3 channels; `lines` lines lie line_in and
+ * line_out floats apart. */
 static void resize_axis(const float *in, int n, size_t stride_in, size_t line_in, float *out, int out_n,
                         size_t stride_out, size_t line_out, int lines) {
     for (int i = 0; i < out_n; i++) {

@@ -9,17 +9,19 @@
 
 /* How sample values code radiance. */
 typedef enum enc_transfer {
-    ENC_TRANSFER_AUTO = 0, /* as the file says, else sRGB for 8 and 16 bits; linear for floating point */
+    ENC_TRANSFER_AUTO = 0, /* as the file says; else sRGB for 8 and 16 bits, linear for floating point */
     ENC_TRANSFER_SRGB,     /* IEC 61966-2-1 */
     ENC_TRANSFER_LINEAR,
     ENC_TRANSFER_GAMMA, /* value^gamma */
-    ENC_TRANSFER_BT709, /* the inverse of the camera's curve of ITU-R BT.709; files alone ask for it */
+    ENC_TRANSFER_BT709, /* the inverse of the camera's curve of ITU-R BT.709; no option asks for it, only
+                           files do */
 } enc_transfer;
 
 /* The sRGB curve on [0, 1] and beyond; odd, so that negative values keep their sign. */
 double enc_srgb_decode(double value);
 
-/* Tables of a transfer function for integer samples. Immutable once made: shared by all threads. */
+/* A transfer function, with tables for integer samples. It does not change once made, so that all threads
+ * share it. */
 typedef struct enc_decoder enc_decoder;
 
 /* gamma is used by ENC_TRANSFER_GAMMA alone (> 0). Returns NULL when out of memory. */
@@ -29,7 +31,7 @@ void enc_decoder_destroy(enc_decoder **decoder);
 /* The transfer function, and its gamma, that an image of 8 or 16 bits says it has, sRGB where it says nothing. */
 enc_transfer enc_transfer_of(const enc_image *image, double *out_gamma);
 
-/* Whether a decoder is that of this function. */
+/* Whether a decoder has this transfer function. */
 bool enc_decoder_is(const enc_decoder *decoder, enc_transfer transfer, double gamma);
 
 /* A rectangle of an image: columns x .. x+width-1, rows y .. y+height-1 from the top. */

@@ -19,7 +19,7 @@ void enc_csv_close(enc_csv *csv) {
 }
 
 bool enc_csv_has_decimal_commas(const enc_csv *csv) {
-    return csv->delimiter != ' '; /* a comma among fields between commas stood in quotes */
+    return csv->delimiter != ' '; /* where commas separate fields, a comma within a field stood in quotes */
 }
 
 btf_result enc_csv_fail(const enc_csv *csv, const char *format, ...) {
@@ -101,7 +101,7 @@ static btf_result split(enc_csv *csv, char *line) {
         }
         csv->fields[csv->count++] = field;
         const bool last = !*p;
-        const bool at_next = delimiter == ' ' && !end; /* the blanks are behind it already */
+        const bool at_next = delimiter == ' ' && !end; /* the blanks after the field were skipped already */
         p += last || at_next ? 0 : 1;
         while (end && end > field && is_blank(end[-1])) {
             end--;

@@ -18,7 +18,7 @@ typedef struct enc_csv {
     const char *path;
     text_file text;
     char delimiter;  /* 0: not known yet */
-    bool is_comment; /* the line begins with #; its fields are those behind it */
+    bool is_comment; /* the line begins with #; its fields are those after that */
     size_t count;
     char *fields[ENC_CSV_MAX_FIELDS]; /* of the line last read; valid until the next */
 } enc_csv;

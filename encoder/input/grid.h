@@ -15,8 +15,8 @@ typedef struct enc_grid_item {
     int view, light;
 } enc_grid_item;
 
-/* n_views * n_lights items, each pair once; directions in paper order. Items of a sequential source stand
- * in its order, those of any other by view, then by light. */
+/* The full grid: n_views * n_lights items, each pair once, and the directions in paper order. Items of a
+ * sequential source stand in its order, those of any other by view, then by light. */
 typedef struct enc_grid {
     int n_views, n_lights;
     enc_direction *views, *lights;
@@ -24,8 +24,8 @@ typedef struct enc_grid {
     enc_grid_item *items;
 } enc_grid;
 
-/* Builds the grid, or tells the log, with names and counts, why the images do not form one.
- * Errors: BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (more than 256 directions), BTF_ERROR_MEMORY. */
+/* Builds the grid, or logs with names and counts why the images do not form one. Errors:
+ * BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (more than 256 directions), BTF_ERROR_MEMORY. */
 btf_result enc_grid_create(const enc_context *context, const enc_source *source,
                            const enc_read_options *options, enc_grid **out_grid);
 void enc_grid_destroy(enc_grid **grid);
@@ -36,8 +36,8 @@ typedef struct enc_grid_image {
     enc_direction view, light;
 } enc_grid_image;
 
-/* Lists the images of a source in its order, whether they form a grid or not; reads their names, and complains of
- * them, as enc_grid_create does. *out_images is malloc'ed. Errors: BTF_ERROR_BAD_FILE,
+/* Lists the images of a source in its order, whether they form a grid or not. Reads their names, and logs
+ * what is wrong with them, as enc_grid_create does. *out_images is malloc'ed. Errors: BTF_ERROR_BAD_FILE,
  * BTF_ERROR_MEMORY. */
 btf_result enc_grid_list(const enc_context *context, const enc_source *source,
                          const enc_read_options *options, enc_grid_image **out_images, size_t *out_count);

@@ -12,8 +12,8 @@
 #include <stddef.h>
 
 /* pixels[row][column][channel], row 0 at the top, as coded in the file: unsigned char (depth 8), unsigned
- * short (16) or float (32, always linear). Alpha is dropped, palettes are resolved. An image that EXIF says
- * is stored turned is refused: its texels would not lie where a viewer shows them. */
+ * short (16) or float (32, always linear). Alpha is dropped, palettes are resolved. An image that is stored
+ * turned, as EXIF says, is refused: its texels would not lie where a viewer shows them. */
 typedef struct enc_image {
     int width, height;
     int channels; /* 1 (grey) or 3 */

@@ -35,7 +35,8 @@ static void drop_comment(enc_csv *csv) {
     }
 }
 
-/* The four angles of a line, after a number or not. *out_numbers: how many fields are numbers. */
+/* Reads the four angles of a line, with or without a number before them. *out_numbers: how many fields are
+ * numbers. */
 static bool parse_line(const enc_csv *csv, double angles[4], size_t *out_numbers) {
     double v[5];
     *out_numbers = 0;

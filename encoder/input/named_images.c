@@ -34,8 +34,8 @@ static int compare_noisy(const void *a, const void *b) {
     return (x->value > y->value) - (x->value < y->value);
 }
 
-/* How far an angle is from a thousandth of a degree: little in those that are as somebody wrote them, more
- * in those that were computed. */
+/* How far an angle is from a whole number of thousandths of a degree: close to 0 for an angle as somebody
+ * wrote it, more for one that was computed. */
 static double untidiness(double value) {
     return fabs(value * 1e3 - round(value * 1e3));
 }
@@ -56,8 +56,8 @@ static void join_equal(noisy_angle *list, size_t count) {
     }
 }
 
-/* Computed angles carry noise (29.999999999999996): those within ENC_NAMED_SAME of each other become one,
- * among the thetas and among the azimuths, on either side of 0 = 360 too. */
+/* Joins angles within ENC_NAMED_SAME of each other, since computed ones carry noise (29.999999999999996):
+ * thetas with thetas, azimuths with azimuths, also across 0 = 360. */
 static btf_result join_angles(enc_named_image *images, size_t count) {
     noisy_angle *list = malloc(2 * count * sizeof *list);
     if (!list) {
@@ -87,16 +87,18 @@ static btf_result join_angles(enc_named_image *images, size_t count) {
     return BTF_OK;
 }
 
-/* The names of a source as parsed, before it is settled how they are meant. */
+/* The names of a source as parsed, before all of them together settle how they are meant. */
 typedef struct name_list {
     enc_name *names; /* [count] in the order of the source's paths */
     enc_name_verdict *verdicts;
     size_t n_read, n_incomplete, n_bad, n_counters, n_differ, n_foreign;
-    size_t incomplete, bad, counter, differs; /* the first of each */
+    size_t incomplete, bad, counter, differs; /* the index of the first of each kind */
     bool dash_is_minus;
-    size_t plain; /* the first name that says so */
+    size_t plain; /* the first name that says that a dash is a minus */
     size_t n_frames, frame;
-    size_t n_dashes[ENC_NAME_KEYS], dash[ENC_NAME_KEYS]; /* names with a dash right behind this key */
+    size_t n_dashes[ENC_NAME_KEYS],
+        dash[ENC_NAME_KEYS]; /* how many names have a dash right behind this key,
+                                                            and the first */
 } name_list;
 
 static void note_first(size_t *count, size_t *first, bool holds, size_t index) {
@@ -225,7 +227,7 @@ static btf_result add_image(const enc_context *context, const enc_read_options *
     return BTF_OK;
 }
 
-/* Tells of angles that are read as degrees and look like something else. */
+/* Warns of angles that are read as degrees but look like something else. */
 static void doubt_units(const enc_context *context, const enc_source *source, const enc_angle_range *range,
                         const size_t example[2]) {
     static const char *const seen[] = {[ENC_RADIANS_ALL] = "angle reaches 6.3",
@@ -290,7 +292,7 @@ static btf_result take_names(const enc_context *context, const enc_source *sourc
     return result;
 }
 
-/* Images by a table, or by their names where it has none of them and need not. */
+/* Lists images by a table, or by their names where the table names none of them and need not. */
 static btf_result take_table(const enc_context *context, const enc_source *source,
                              const enc_read_options *options, enc_named_image *images, size_t *out_count) {
     enc_names_table *table = NULL;

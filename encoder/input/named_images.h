@@ -21,15 +21,16 @@ typedef struct enc_named_image {
     size_t source;
 } enc_named_image;
 
-/* Finds the images of a source and their directions, in its order, and tells of names that are not understood or doubtful.
- * Angles within ENC_NAMED_SAME of each other get one value. *out_images is malloc'ed, after an error too (or NULL). Errors:
- * BTF_ERROR_BAD_FILE (names that no rule reads for sure, no image, a theta of 90 degrees or more), BTF_ERROR_MEMORY. */
+/* Finds the images of a source and their directions, in its order, and warns of names that are doubtful or
+ * not understood. Angles within ENC_NAMED_SAME of each other get one value. *out_images is malloc'ed, after
+ * an error too (or NULL). Errors: BTF_ERROR_BAD_FILE (names that no rule reads for sure, no image, a theta
+ * of 90 degrees or more), BTF_ERROR_MEMORY. */
 btf_result enc_named_images_find(const enc_context *context, const enc_source *source,
                                  const enc_read_options *options, enc_named_image **out_images,
                                  size_t *out_count);
 
-/* The azimuth that options make of a given one, degrees in [0, 360), on a grid of 1e-9 degrees so that 360 - tiny does not
- * differ from 0. */
+/* The azimuth that options make of a given one, degrees in [0, 360), on a grid of 1e-9 degrees so that 360
+ * - tiny does not differ from 0. */
 double enc_named_azimuth(const enc_read_options *options, double theta, double phi);
 
 /* Degrees within which two angles are one. */

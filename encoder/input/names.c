@@ -37,7 +37,7 @@ static size_t separator_length(text t) {
     return begins(t, "\xc2\xa0") ? 2 : 0; /* no-break space */
 }
 
-/* The key at the beginning, or KEYS. */
+/* The key that a text begins with, or KEYS. */
 static int key_of(text t) {
     for (int key = 0; t.end - t.p >= 2 && key < KEYS; key++) {
         if (tolower((unsigned char)t.p[0]) == keys[key][0] &&
@@ -48,7 +48,7 @@ static int key_of(text t) {
     return KEYS;
 }
 
-/* Where a part of a path ends when its extension is left away: ".jpg" is one, ".5" is not. */
+/* Where a part of a path ends without its extension: ".jpg" is one, ".5" is not. */
 static const char *end_without_extension(const char *begin, const char *end) {
     for (const char *p = end; p-- > begin;) {
         if (*p == '.') {
@@ -59,8 +59,8 @@ static const char *end_without_extension(const char *begin, const char *end) {
 }
 
 /* Reads digits, decimals and an exponent without a sign before them: at most MAX_DIGITS before the point,
- * leading zeros aside, and MAX_DECIMALS that count behind it. No locale has a say. False, with *why, where
- * there is more than an angle has; t then stands anywhere. */
+ * leading zeros aside, and MAX_DECIMALS that count behind it. The locale does not matter. False, with *why,
+ * where there are more digits than an angle has; t may then be anywhere. */
 static bool read_number(text *t, const char *points, double *out, const char **why) {
     double value = 0.0, scale = 1.0;
     *why = "ten digits before the decimal point are too many for an angle";
@@ -112,7 +112,7 @@ static void skip_unit(text *t) {
     }
 }
 
-/* Behind an angle: characters that end it, be they separators or marks such as brackets. */
+/* Skips characters after an angle that end it, be they separators or marks such as brackets. */
 static void skip_ends(text *t) {
     for (size_t n;; t->p += n) {
         n = separator_length(*t);
@@ -159,12 +159,14 @@ typedef struct angle {
     double value;
     bool open_sign, open_point, is_plain, counter;
     bool has_decimals;
-    bool like_frame; /* the decimals could be a frame number: "30.0105", "30p1" */
-    bool is_guess;   /* of a BAD_ANGLE: perhaps another word, "plm2", which one that can be read outranks */
+    bool like_frame; /* the decimals could be the number of a frame: "30.0105", "30p1" */
+    bool is_guess;   /* of a BAD_ANGLE: it may be another word, such as "plm2", so that an angle that can be
+                        read outranks it */
     const char *why; /* of a BAD_ANGLE */
 } angle;
 
-/* Hyphens and dashes of typography: nobody can say whether they mean a minus. */
+/* Whether a text begins with a typographic hyphen or dash, of which nobody can say whether it means a
+ * minus. */
 static bool is_unclear_dash(text t) {
     return t.end - t.p >= 3 && t.p[0] == '\xe2' && t.p[1] == '\x80' && (unsigned char)t.p[2] >= 0x90 &&
            (unsigned char)t.p[2] <= 0x95;
@@ -189,7 +191,7 @@ static bool is_unclear_sign(text t, const char **why) {
     return t.p > begin && digit_at(t, 0);
 }
 
-/* The form of the digits behind the point of a number. */
+/* Judges by the digits after its point whether a number could be a frame's. */
 static void judge_decimals(text number, angle *out) {
     const char *point = number.p;
     while (point < number.end && isdigit((unsigned char)*point)) {
@@ -205,7 +207,7 @@ static void judge_decimals(text number, angle *out) {
                       strspn(point + 1, "0") < (size_t)(end - point - 1);
 }
 
-/* Reads an angle that follows a key: separators, a sign perhaps, a number. Moves t behind it. */
+/* Reads an angle that follows a key: separators, perhaps a sign, a number. Moves t past it. */
 static angle_kind read_angle(text *t, angle *out) {
     const char *const behind_key = t->p;
     *out = (angle){.is_plain = t->p < t->end && *t->p != '-'};
@@ -218,7 +220,7 @@ static angle_kind read_angle(text *t, angle *out) {
         out->why = "this dash may be a minus or a separator: write '-' or the minus sign";
         return BAD_ANGLE;
     }
-    if (begins(*t, "\xe2\x88\x92") || begins(*t, "\xef\xbc\x8d")) { /* the minus sign, the wide one */
+    if (begins(*t, "\xe2\x88\x92") || begins(*t, "\xef\xbc\x8d")) { /* U+2212 and U+FF0D, the minus signs */
         negative = true;
         out->open_sign = false;
         t->p += 3;
@@ -250,7 +252,7 @@ typedef struct part {
     bool is_found[KEYS], is_twice[KEYS];
     angle_kind kind[KEYS];
     angle angles[KEYS];
-    text where[KEYS]; /* each with its key */
+    text where[KEYS]; /* each angle with its key */
 } part;
 
 static void scan(const char *begin, const char *end, part *out) {
@@ -297,14 +299,14 @@ static void note_bad(enc_name *name, text where, const char *why) {
     length = length < sizeof name->bad - 1 ? length : sizeof name->bad - 1;
     while (length > 0 && length == sizeof name->bad - 1 &&
            ((unsigned char)where.p[length] & 0xC0) == 0x80) {
-        length--; /* not into a character */
+        length--; /* keep to whole UTF-8 characters */
     }
     memcpy(name->bad, where.p, length);
     name->bad[length] = '\0';
     name->why = why;
 }
 
-/* Takes the angles that are not known yet, and compares the others. */
+/* Takes the angles that are not known yet, and notes whether the others differ. */
 static void take(collected *c, const part *from) {
     for (int key = 0; key < KEYS; key++) {
         const angle *a = &from->angles[key];
@@ -371,7 +373,7 @@ enc_angles enc_names_angles(const enc_name *name, bool dash_is_minus) {
     double *const values[KEYS] = {&a.theta_light, &a.phi_light, &a.theta_view, &a.phi_view};
     for (int key = 0; key < KEYS; key++) {
         if (dash_is_minus && name->open_sign[key]) {
-            *values[key] = 0.0 - *values[key]; /* no negative zero */
+            *values[key] = 0.0 - *values[key]; /* gives no negative zero */
         }
     }
     return a;

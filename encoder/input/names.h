@@ -23,16 +23,17 @@ typedef enum enc_name_verdict {
 
 enum { ENC_NAME_KEYS = 4 }; /* tl, pl, tv, pv: in the order of enc_angles */
 
-/* A name by itself. Whether a dash between key and digits is a minus only its set can say. */
+/* What one name says by itself. Only all names of its set together tell whether a dash between key and
+ * digits is a minus. */
 typedef struct enc_name {
-    enc_angles angles;             /* where open_sign, the dash is left aside */
+    enc_angles angles;             /* without the dash where open_sign is set */
     bool open_sign[ENC_NAME_KEYS]; /* "pv-90": this angle has just a dash between key and digits */
     bool is_plain;       /* an angle has something else than a dash behind its key: "pv90", "pv_90" */
-    bool counter;        /* digits that follow the last angle were left aside: "pv7_5", "pv7 (1)" */
+    bool counter;        /* digits after the last angle were ignored: "pv7_5", "pv7 (1)" */
     bool like_frame;     /* the last angle alone has decimals, which look like a frame: "pv7.0105" */
-    bool folders_differ; /* a folder gives a key another value than what counts */
+    bool folders_differ; /* a folder gives a key another value than the one that counts */
     char bad[32];        /* the part of the name that could not be read: "tl22x5" */
-    const char *why;     /* and why not; static */
+    const char *why;     /* why not; static */
 } enc_name;
 
 /* Finds `tl`, `pl`, `tv` and `pv` in a path ('/' and '\\' separate its folders), each followed by an angle:
@@ -48,8 +49,8 @@ typedef struct enc_name {
  * Examples: "00008 tl000 pl000 tv030 pv030.jpg", "tv075_pv000/tl07.5-pl60.png". */
 enc_name_verdict enc_names_parse(const char *path, enc_name *out_name);
 
-/* The angles of a name of a set. `dash_is_minus`: some name of the set is_plain, so that a dash behind a
- * key is no separator of that set. */
+/* Gives the angles of a name of a set. `dash_is_minus`: some name of the set is_plain, so that a dash
+ * behind a key is no separator of that set. */
 enc_angles enc_names_angles(const enc_name *name, bool dash_is_minus);
 
 /* "tl", "pl", "tv" or "pv". */
@@ -59,8 +60,8 @@ const char *enc_names_key(int key);
 bool enc_names_number(const char *text, bool comma, double *out);
 
 typedef struct enc_angle_spread {
-    double largest;       /* without sign */
-    size_t whole, broken; /* numbers of angles, 0 aside */
+    double largest;       /* its magnitude */
+    size_t whole, broken; /* how many angles are whole, and are not, without those that are 0 */
 } enc_angle_spread;
 
 /* Counts over the angles of a data set that give away units other than degrees. Begins zeroed. */
@@ -81,7 +82,8 @@ void enc_angles_survey(enc_angle_range *range, const enc_angles *angles);
 
 enc_radians enc_angles_look_like_radians(const enc_angle_range *range);
 
-/* Whether there are nine images or more, and all thetas are whole and below 10: numbers of directions? */
+/* Whether angles may be numbers of directions: there are nine images or more, and all thetas are whole and
+ * below 10. */
 bool enc_angles_look_like_indices(const enc_angle_range *range);
 
 /* Whether a path's extension is that of an image format that can be read, and nothing in it is hidden: no

@@ -18,12 +18,12 @@ enum { COLUMNS = 5 };
 
 struct enc_names_table {
     enc_angles *angles; /* [count of the source] */
-    size_t *lines;      /* that gave them; 0: none did */
+    size_t *lines;      /* of the table that gave them; 0: none did */
     size_t n_found;
 };
 
 typedef struct named_path {
-    const char *base; /* behind the folders */
+    const char *base; /* the name after the folders */
     size_t index;
 } named_path;
 
@@ -32,7 +32,7 @@ typedef struct table_reader {
     const enc_source *source;
     enc_names_table *table;
     named_path *by_name; /* the source's images, sorted by their names without folders */
-    /* Of the source, without the ending of an archive: without links, and as given. */
+    /* The path of the source, without the ending of an archive: with links resolved, and as given. */
     char location[PATH_MAX], given[PATH_MAX];
     bool has_columns;
     size_t column[COLUMNS]; /* where file, theta_v, phi_v, theta_l, phi_l stand */
@@ -42,7 +42,7 @@ typedef struct table_reader {
 
 static const char *const column_names[COLUMNS] = {"file", "theta_v", "phi_v", "theta_l", "phi_l"};
 
-/* A heading without what does not tell it from others: "Theta_V [deg]" to "thetav". */
+/* Reduces a heading to what tells it from others: "Theta_V [deg]" to "thetav". */
 static void simplify(const char *heading, char out[24]) {
     size_t length = 0;
     for (; *heading && length < 23; heading++) {
@@ -114,7 +114,7 @@ static bool is_heading(const enc_csv *csv) {
     return csv->count > 1;
 }
 
-/* Between blanks a name may hold blanks itself: all before the last four fields is the file. */
+/* Where blanks separate fields, a name may hold blanks: all before the last four fields is the file. */
 static void join_name(enc_csv *csv) {
     if (csv->delimiter != ' ' || csv->count <= COLUMNS) {
         return;
@@ -166,7 +166,7 @@ static bool is_tail(const char *tail, const char *location, const char *inside) 
     return strcmp(at, tail) == 0 && (at == full || at[-1] == '/' || *tail == '/');
 }
 
-/* Brings separators of Windows and "./" to what paths here look like. */
+/* Brings a path with Windows's separators or "./" to the form of paths here. */
 static void tidy_name(char *name) {
     for (char *p = name; *p; p++) {
         if (*p == '\\') {
@@ -244,7 +244,8 @@ static btf_result take_row(table_reader *r) {
     return BTF_OK;
 }
 
-/* A comment is headings where it is the first line and names most of the columns. */
+/* Takes a line of the table. A comment counts as headings where only comments came before it and it names
+ * most of the columns. */
 static btf_result take_line(table_reader *r, bool is_first) {
     if (r->csv.is_comment && !is_first) {
         return BTF_OK;

@@ -15,10 +15,10 @@ typedef struct enc_names_table enc_names_table;
  * of the source. A line of names before the first image may give the columns another order and add others.
  * A file stands with or without its folders: "a.png", "folder/a.png", "SET/folder/a.png".
  *
- * Images that the table lacks, and files of it that are not there, are told as warnings with their number.
- * Errors, on the log with table, line and value: those of text_read; BTF_ERROR_BAD_FILE (a line that has
- * not these fields, a theta that is not at least 0 and below 90, an image twice, a file name that several
- * images have, no image of the source at all unless `may_miss_all`), BTF_ERROR_MEMORY. */
+ * Warnings tell how many images the table lacks, and how many of its files are not there. Errors, on the
+ * log with table, line and value: those of text_read; BTF_ERROR_BAD_FILE (a line that has not these fields,
+ * a theta that is not at least 0 and below 90, an image twice, a file name that several images have, no
+ * image of the source at all unless `may_miss_all`), BTF_ERROR_MEMORY. */
 btf_result enc_names_table_read(const enc_context *context, const char *path, const enc_source *source,
                                 bool may_miss_all, enc_names_table **out_table);
 void enc_names_table_destroy(enc_names_table **table);

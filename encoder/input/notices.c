@@ -14,7 +14,7 @@
 typedef struct notice {
     char *kind, *file, *text;
     uint64_t files;
-    bool differs; /* not all texts were the same */
+    bool differs; /* the files' texts are not all the same */
     btf_log_level level;
 } notice;
 
@@ -71,7 +71,7 @@ static notice *of_kind(enc_notices *n, btf_log_level level, const char *kind) {
     return items[n->count].kind ? &items[n->count++] : NULL;
 }
 
-/* Adds `files` files of one text, of which `file` comes first. */
+/* Adds `files` files with one text, of which `file` is first. */
 static bool merge(enc_notices *n, btf_log_level level, const char *kind, const char *file, const char *text,
                   uint64_t files, bool differs) {
     notice *item = of_kind(n, level, kind);
@@ -108,7 +108,8 @@ void enc_notices_add(enc_notices *notices, btf_log_level level, const char *kind
     pthread_mutex_unlock(&notices->lock);
 }
 
-/* Between ranks a notice is its count, whether texts differ, its level, and three strings with their ends. */
+/* Packs notices for other ranks, each as its count, whether texts differ, its level, and three strings with
+ * their terminating zeros. */
 static char *pack(const enc_notices *n, size_t *out_size) {
     size_t size = 0, at = 0;
     for (size_t i = 0; i < n->count; i++) {
@@ -155,7 +156,7 @@ static bool unpack(enc_notices *n, const char *bytes, size_t size) {
     return true;
 }
 
-/* The notices of all ranks, on every rank. */
+/* Gives every rank the notices of all. */
 static btf_result gather(const enc_context *context, btf_result result, enc_notices *n) {
     const size_t ranks = (size_t)enc_ranks_count(context), own = (size_t)enc_ranks_own(context);
     size_t size = 0, *bounds = calloc(ranks + 1, sizeof *bounds), *sizes = calloc(ranks, sizeof *sizes);

@@ -1,4 +1,5 @@
-/* Notices about the images of a data set: one line a kind with a count, not one an image.
+/* Notices about the images of a data set: one line for each kind, with a count, in place of one for each
+ * image.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -13,14 +14,15 @@ typedef struct enc_notices enc_notices;
 enc_notices *enc_notices_create(void);
 void enc_notices_destroy(enc_notices **notices);
 
-/* Notes that a file holds something that is not followed, or not as its author may think (a warning), or that
- * its word changes how it is read (information). `kind` groups files ("colour profile"), which share a level;
- * `text` says of this file, with the value met, what that is and what to do. All three are copied. A file is to be noted once a kind. Callable from any thread; notices may be NULL: nothing is
- * noted. A lack of memory shows as BTF_ERROR_MEMORY when the notices are told. */
+/* Notes that a file holds something that is ignored, or not understood as its author may think (a warning),
+ * or that what the file says changes how it is read (information). `kind` groups files ("colour profile"),
+ * which share a level; `text` says of this file, with the value met, what that is and what to do. All three
+ * are copied. A file is to be noted once a kind. Callable from any thread; notices may be NULL: nothing is
+ * noted. If memory runs out, enc_notices_tell returns BTF_ERROR_MEMORY. */
 void enc_notices_add(enc_notices *notices, btf_log_level level, const char *kind, const char *file,
                      const char *text);
 
-/* Tells them all on the log, each at its level, and forgets them, a line a kind:
+/* Logs all notices, each at its level, a line for each kind, and forgets them:
  *
  *     LOCATION: first.png: TEXT
  *     LOCATION: 81 images: first.png: TEXT

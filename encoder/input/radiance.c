@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { MESSAGE_SIZE = 480 }; /* the channels of an OpenEXR file among them */
+enum { MESSAGE_SIZE = 480 }; /* room for the channels of an OpenEXR file */
 
 /* How an image's samples are coded: as the options say, else as the file does. */
 static enc_transfer transfer_of(const enc_radiance *r, const enc_image *image, double *out_gamma) {
@@ -65,7 +65,7 @@ btf_result enc_radiance_settle(const enc_context *context, const enc_read_option
 btf_result enc_radiance_settle_first(const enc_context *context, const enc_read_options *options,
                                      enc_source *source, size_t index, void **out_file, size_t *out_size,
                                      enc_radiance *out) {
-    char message[480] = ""; /* the channels of an OpenEXR file among them */
+    char message[MESSAGE_SIZE] = "";
     *out_file = NULL;
     const btf_result result = source->read(source, index, out_file, out_size, message, sizeof message);
     return result == BTF_OK ? enc_radiance_settle(context, options, source->location, source->paths[index],
@@ -95,7 +95,7 @@ static btf_result check_values(const enc_radiance *r, const float *pixels, const
     return BTF_OK;
 }
 
-/* Decodes the part that is used to linear Rec. 709, or the space that the options name. */
+/* Decodes the part that is used to linear values, in Rec. 709 or the space that the options name. */
 static btf_result decode_area(const enc_radiance *r, enc_image *image, float *pixels, char *message,
                               size_t message_size) {
     double gamma;
@@ -143,7 +143,7 @@ static btf_result check_image(const enc_radiance *r, const enc_image *image, cha
     return BTF_OK;
 }
 
-/* The part that is used as Rec. 709, every value checked, row 0 at the top. */
+/* Decodes the part that is used to Rec. 709, with row 0 at the top, and checks every value. */
 static btf_result make_linear(const enc_radiance *r, enc_image *image, float *pixels, char *message,
                               size_t message_size) {
     btf_result result = decode_area(r, image, pixels, message, message_size);

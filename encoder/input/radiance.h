@@ -12,24 +12,24 @@
 
 enum { ENC_MAX_SIDE = 16384 }; /* texels */
 
-/* How the images of a set are converted: the first image settles it for all. */
+/* How the images of a set are converted, which the first image settles for all. */
 typedef struct enc_radiance {
     const enc_read_options *options;
-    enc_decoder *decoder;        /* of the first image, as which every other one should be coded */
+    enc_decoder *decoder;        /* of the first image; the others should be coded as it is */
     int file_width, file_height; /* of every image, as in the files */
     enc_rectangle area;          /* the part that is used */
     int width, height;           /* of the decoded image */
 } enc_radiance;
 
-/* Learns from the first image's file; `options` must outlive *out. Errors, on the log with location and
- * name, or with the option: those of enc_image_decode_layer, BTF_ERROR_USAGE, BTF_ERROR_UNSUPPORTED,
- * BTF_ERROR_MEMORY. */
+/* Settles the conversion by the first image's file; `options` must outlive *out. Errors, on the log with
+ * location and name, or with the option: those of enc_image_decode_layer, BTF_ERROR_USAGE,
+ * BTF_ERROR_UNSUPPORTED, BTF_ERROR_MEMORY. */
 btf_result enc_radiance_settle(const enc_context *context, const enc_read_options *options,
                                const char *location, const char *name, const void *file, size_t size,
                                enc_radiance *out);
-/* Reads image `index` of a source and learns from it as enc_radiance_settle does. *out_file, the file's bytes, is
- * malloc'ed, and the caller frees it even where its contents are refused; NULL where the file cannot be read.
- * Errors: those of reading as well. */
+/* Reads image `index` of a source and settles the conversion by it as enc_radiance_settle does. *out_file,
+ * the file's bytes, is malloc'ed, and the caller frees it even where its contents are refused; NULL where
+ * the file cannot be read. Errors: those of reading as well. */
 btf_result enc_radiance_settle_first(const enc_context *context, const enc_read_options *options,
                                      enc_source *source, size_t index, void **out_file, size_t *out_size,
                                      enc_radiance *out);

@@ -9,7 +9,7 @@
 #include <stdbool.h>
 
 typedef enum enc_colour {
-    ENC_COLOUR_AUTO = 0, /* of the primaries that the file names, else linear Rec. 709 */
+    ENC_COLOUR_AUTO = 0, /* in the primaries that the file names, else linear Rec. 709 */
     ENC_COLOUR_RGB,      /* linear Rec. 709, whatever the file says */
     ENC_COLOUR_XYZ,     /* CIE XYZ, white point D65 (UTIA's EXR) */
 } enc_colour;
@@ -31,10 +31,11 @@ typedef struct enc_read_options {
     int crop[4];           /* x, y, width, height in the file's pixels, y from the top; all 0: everything */
     bool flip_v;           /* row 0 of the files is the bottom (-v) */
     bool azimuth_cw;       /* azimuths of the names grow clockwise: phi becomes -phi */
-    double azimuth_offset; /* degrees, then added to every azimuth but those of theta 0 */
+    double azimuth_offset; /* degrees, added after that to every azimuth but those of theta 0 */
     enc_cosine cosine;
     int components;         /* of each factorisation of a Bonn file at most; 0: all */
-    const char *layer;      /* of OpenEXR files: the layer, part or channel to read; NULL: the plain choice */
+    const char *layer;      /* of OpenEXR files: the layer, part or channel to read; NULL: the default one
+                               (exr_choose.h) */
     const char *coincident; /* table of lights that stood elsewhere (light_positions.h); NULL: none */
     const char *names;      /* table of the images' directions (names_table.h); NULL: names say them */
     bool names_of_some;     /* a data set none of whose images the table names is read by its names */

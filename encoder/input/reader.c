@@ -25,11 +25,11 @@
 #include <sys/stat.h>
 
 enum {
-    BATCH_FILES = 64,        /* files in memory at once, as they are on disk ... */
-    BATCH_BYTES = 64 << 20,  /* ... and when to take no more of them */
-    BLOCK_BYTES = 128 << 20, /* linear images of a block, when memory is unbounded */
+    BATCH_FILES = 64,        /* the most files in memory at once, as they are on disk */
+    BATCH_BYTES = 64 << 20,  /* bytes of such files from which on no more are taken */
+    BLOCK_BYTES = 128 << 20, /* bytes of a block's linear images, at most where the samples lie in memory */
     CHUNK = 16,              /* texels transposed together: one cache line of each plane */
-    MESSAGE_SIZE = 480,      /* the channels of an OpenEXR file among them */
+    MESSAGE_SIZE = 480,      /* room for the channels of an OpenEXR file */
 };
 
 /* A file of a batch, and its result. */
@@ -97,7 +97,7 @@ static btf_result settle_size(reader *r) {
                                      &r->first_file, &r->first_size, &r->radiance);
 }
 
-/* Interleaved pixels to three planes. */
+/* Copies interleaved pixels to three planes. */
 static void store_planes(const reader *r, const float *pixels, float *planes) {
     const size_t texels = (size_t)r->radiance.width * (size_t)r->radiance.height;
     for (size_t c = 0; c < 3; c++) {
@@ -107,7 +107,7 @@ static void store_planes(const reader *r, const float *pixels, float *planes) {
     }
 }
 
-/* One file from bytes to planes[channel][texel]. Runs on any thread; does not log. */
+/* Converts one file to planes[channel][texel]. Runs on any thread; does not log. */
 static btf_result convert(const reader *r, size_t item, batch_file *file, float *planes) {
     const float light_z = r->grid->lights[r->grid->items[item].light].xyz[2];
     float *pixels = malloc((size_t)r->radiance.width * (size_t)r->radiance.height * 3 * sizeof *pixels);
@@ -145,7 +145,7 @@ static void finish(const reader *r, size_t item, batch_file *file, float *planes
 /* Keeps the notes of an image about its pixels; each is logged once a data set. */
 static void note(reader *r, size_t item, const image_notes *notes) {
     for (int k = 0; k < IMAGE_NOTE_KINDS; k++) {
-        const char kind[] = {(char)('A' + k), '\0'}; /* lines come in the order of the kinds */
+        const char kind[] = {(char)('A' + k), '\0'}; /* notices are logged in the order of their kinds */
         const btf_log_level level = image_note_warns((image_note_kind)k) ? BTF_LOG_WARNING : BTF_LOG_INFO;
         if (notes->texts[k][0]) {
             enc_notices_add(r->notices, level, kind, path_of(r, item), notes->texts[k]);
@@ -180,7 +180,7 @@ static btf_result read_batch(reader *r, size_t first, size_t count, float *plane
         finish(r, r->mine[first + i], &files[i], planes + i * plane);
     }
     if (n > 0 && r->mine[first] == 0) {
-        r->first_file = NULL; /* finish() freed it */
+        r->first_file = NULL; /* finish() has freed it */
     }
 
     btf_result result = BTF_OK;
@@ -278,7 +278,7 @@ static size_t block_size(const reader *r) {
     return images ? images : 1;
 }
 
-/* The images of this process: all of them, or those of its share of the views. */
+/* Lists the images of this process: all of them, or those of its share of the views. */
 static btf_result settle_share(reader *r) {
     size_t first, end;
     enc_ranks_range(r->context, (size_t)r->grid->n_views, &first, &end);
@@ -383,7 +383,7 @@ btf_result enc_read_source(const enc_context *context, const char *path, enc_sou
                                    : enc_source_open_archive(context, path, out_source);
 }
 
-/* A directory or an archive. */
+/* Reads a directory or an archive. */
 static btf_result read_set(const enc_context *context, const char *input, const enc_read_options *options,
                            enc_data **out_data) {
     reader r = {.context = context, .options = options};

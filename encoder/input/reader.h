@@ -9,16 +9,16 @@
 #include "encoder/data/data.h"
 
 /* Reads a Bonn .btf file (bonn/reader.h), or a directory or an archive of images whose names say tl, pl, tv
- * and pv (names.h, source.h), or of which a table does (names_table.h), into a BTF. Directions are brought to
- * paper order: theta ascending, then phi ascending from 0. The images have to be one full
- * grid of views and lights, of one size, with a view within 5 degrees of the pole.
+ * and pv (names.h, source.h), or of which a table does (names_table.h), into a BTF. Directions are brought
+ * to paper order: theta ascending, then phi ascending from 0. The images have to be one full grid of views
+ * and lights, of one size, with a view within 5 degrees of the pole.
  *
  * Every image is read and decoded once (the first twice). Memory, besides enc_data's own samples (in memory
  * up to half of context->memory, else in its scratch file): the linear images of one block, 12 bytes a
- * texel each, together at most an eighth of context->memory (half of it when a scratch file is used, so
- * that it is written in long pieces; 128 MB when memory is unbounded), but at least one image; up to 64
- * files of 64 MB in all as they are on disk; and for each thread one image as decoded, plus the linear part
- * of it that is used, 12 bytes a pixel.
+ * texel each, together at most 128 MB and an eighth of context->memory (half of it when a scratch file is
+ * used, so that it is written in long pieces), but at least one image; up to 64 files of 64 MB in all as
+ * they are on disk; and for each thread one image as decoded, plus the linear part of it that is used, 12
+ * bytes a pixel.
  *
  * Errors, on the log with file names and counts: BTF_ERROR_USAGE (options), BTF_ERROR_IO,
  * BTF_ERROR_BAD_FILE (missing, duplicate or wrong directions, unequal sizes, damaged images, NaN or

@@ -19,15 +19,15 @@ struct enc_source {
      * source. Sorted by name in a directory; as they follow one another in an archive. */
     size_t count;
     char **paths;
-    size_t n_others;      /* files that are no images */
-    size_t n_foreign;     /* images of formats that are not read, among these */
+    size_t n_others;      /* files that are not images */
+    size_t n_foreign;     /* of these, images in formats that are not read */
     char *first_foreign;  /* NULL: none */
     bool is_sequential;   /* read in rising order of index, from one thread; else in any order, from any */
     const char *location; /* the folder or archive that holds the paths, for messages */
 
     /* Reads a whole file: *out_data is malloc'ed, the caller frees. Failures are described in
-     * message[message_size], since this may run on a thread that must not log.
-     * Errors: BTF_ERROR_IO, BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (size), BTF_ERROR_MEMORY. */
+     * message[message_size], since this may run on a thread that must not log. Errors: BTF_ERROR_IO,
+     * BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (size), BTF_ERROR_MEMORY. */
     btf_result (*read)(enc_source *source, size_t index, void **out_data, size_t *out_size, char *message,
                        size_t message_size);
     void (*close)(enc_source *source);
@@ -40,9 +40,9 @@ void enc_source_close(enc_source **source);
 btf_result enc_source_fail(const enc_context *context, const enc_source *source, size_t index,
                            btf_result result, const char *message);
 
-/* For the kinds of source (source_folder.h, source_archive.h): keeps a copy of a path if it names an image,
- * counts it otherwise. n_allocated is the length of source->paths. Errors: BTF_ERROR_UNSUPPORTED (too
- * many), BTF_ERROR_MEMORY. */
+/* For the kinds of source (source_folder.h, source_archive.h): keeps a copy of a path that names an image,
+ * and counts one that does not. n_allocated is the length of source->paths. Errors: BTF_ERROR_UNSUPPORTED
+ * (too many), BTF_ERROR_MEMORY. */
 btf_result enc_source_add(enc_source *source, const char *path, size_t *n_allocated, bool *out_is_image);
 void enc_source_free_paths(enc_source *source);
 

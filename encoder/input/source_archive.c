@@ -41,8 +41,8 @@ static struct archive *open_handle(const char *path) {
     return handle;
 }
 
-/* libarchive recodes names for the thread's locale and loses those that do not fit it, which in UTF-8 all
- * do. Returns what leave_utf8() takes. */
+/* Enters a UTF-8 locale, since libarchive recodes names for the thread's locale and loses those that do not
+ * fit it. Returns what leave_utf8() takes. */
 static locale_t enter_utf8(const archive_source *a) {
     return a->utf8 ? uselocale(a->utf8) : (locale_t)0;
 }
@@ -81,7 +81,7 @@ static void close_archive(enc_source *source) {
     free(a);
 }
 
-/* Moves to the header of entry `ordinal`, which lies ahead. */
+/* Goes on to the header of entry `ordinal`, which lies ahead. */
 static int seek_entry(archive_source *a, size_t ordinal, struct archive_entry **out_entry) {
     int status = ARCHIVE_OK;
     const locale_t before = enter_utf8(a);
@@ -157,7 +157,7 @@ static btf_result add_entry(archive_source *a, const char *name, size_t ordinal,
         return BTF_ERROR_MEMORY;
     }
     for (char *p = path; *p; p++) {
-        *p = *p == '\\' ? '/' : *p; /* some programs of Windows separate folders so */
+        *p = *p == '\\' ? '/' : *p; /* some Windows programs separate folders with it */
     }
     const btf_result result = enc_source_add(&a->base, path, n_allocated, &is_image);
     free(path);
@@ -176,7 +176,7 @@ static btf_result add_entry(archive_source *a, const char *name, size_t ordinal,
     return BTF_OK;
 }
 
-/* Reads the names alone: for a zip that is its central directory, of a tar all has to be gone through. */
+/* Reads only the names: from the central directory of a zip; a tar has to be gone through as a whole. */
 static btf_result list_entries(const enc_context *context, archive_source *a) {
     struct archive *handle = open_handle(a->path);
     if (!handle) {

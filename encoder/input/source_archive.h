@@ -7,10 +7,10 @@
 
 #include "source.h"
 
-/* An archive is anything zip, tar or 7zip that libarchive reads; only its list of names is read here, and its
- * files then once, in order. Nothing is ever written to disk, so that names may point anywhere. Errors, named
- * on the log: BTF_ERROR_IO, BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED (too many files), BTF_ERROR_MEMORY,
- * BTF_ERROR_INTERRUPTED. */
+/* Opens an archive: any zip, tar or 7zip that libarchive reads. Only its list of names is read here; its
+ * files are read afterwards, once and in order. Nothing is written to disk, so that names which point
+ * outside do no harm. Errors, named on the log: BTF_ERROR_IO, BTF_ERROR_BAD_FILE, BTF_ERROR_UNSUPPORTED
+ * (too many files), BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_source_open_archive(const enc_context *context, const char *path, enc_source **out_source);
 
 #endif

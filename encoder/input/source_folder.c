@@ -99,7 +99,7 @@ static int by_bytes(const struct dirent **a, const struct dirent **b) {
     return strcmp((*a)->d_name, (*b)->d_name);
 }
 
-/* The folders that lead to one, from the root on. */
+/* The folders that lead to a folder, from the root on. */
 typedef struct folder_path {
     dev_t device[MAX_DEPTH + 1];
     ino_t number[MAX_DEPTH + 1];

@@ -23,7 +23,7 @@ static bool ends_with(const char *text, const char *end) {
     return a > b && strcasecmp(text + a - b, end) == 0;
 }
 
-/* Whether a file is of a kind that its first bytes tell: an archive, an image or a Bonn file is no list,
+/* Whether the first bytes of a file show that it is an archive, an image or a Bonn file, and so no list,
  * whatever its ending. */
 static bool has_other_content(const char *path) {
     static const char *const signatures[] = {
@@ -242,7 +242,7 @@ btf_result enc_batch_run(const enc_context *context, const enc_job *job, const e
         if (first == BTF_OK) {
             first = outcomes[i].result;
         }
-        if (outcomes[i].result == BTF_ERROR_INTERRUPTED) {
+        if (outcomes[i].result == BTF_ERROR_INTERRUPTED) { /* any other failure lets the next input begin */
             result = first = BTF_ERROR_INTERRUPTED;
         }
     }

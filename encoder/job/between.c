@@ -12,8 +12,8 @@
 
 #include <stdio.h>
 
-/* The least PSNR that a fit may leave at the samples: the quality that is asked for, with as much error
- * left to the codec. */
+/* The least PSNR that a fit may leave at the samples: half of the squared error that the wanted quality
+ * allows; the other half is for the codec. */
 static double fit_least_psnr(const enc_job *job) {
     return job->method != ENC_METHOD_PAPER && job->joint.quality > 0 ? job->joint.quality + 3 : 0;
 }
@@ -87,7 +87,7 @@ static btf_result foresee(const enc_context *context, const enc_job *job, const 
  * fits are judged only then. */
 static btf_result fit_nodes(const enc_context *context, const enc_job *job, const enc_data *data,
                             enc_between *s) {
-    const bool roots = job->method != ENC_METHOD_PAPER; /* as the decoder blends */
+    const bool roots = job->method != ENC_METHOD_PAPER; /* whether the decoder blends roots of radiance */
     const bool taken = job->fit == ENC_FIT_BETWEEN;
     enc_fit_error coder;
     if (!taken && !roots) {

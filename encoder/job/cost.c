@@ -28,37 +28,37 @@
 
 enum { REPORTED_EFFECTS = 5 };
 
-/* Core seconds of one inner step on the machine that predict.c describes, where encodes of 32x32 and 64x64 texels
- * by both methods took what the model says within a fifth; which data each constant was fitted to is not recorded,
- * unless it is said here. Of reading and making samples, */
+/* Core seconds of one inner step on the machine that predict.c describes, where encodes of 32x32 and 64x64
+ * texels by both methods took what the model says within a fifth; which data each constant was fitted to is
+ * not recorded, unless it is said here. Reading and making samples: */
 static const double per_file = 60e-6, per_pixel = 25e-9, per_jpeg_pixel = 12e-9, per_read_sample = 1.5e-9;
-/* of the paper's method, */
+/* The paper's method: */
 static const double per_fit = 110e-9, per_shadow = 20e-9, per_flow = 1.2e-6, per_flow_label = 3e-9,
                     per_refine = 0.05e-9, per_cluster = 0.1e-9, hidden_share = 0.25;
-/* of factors: a sample that a pass splits into channels; a multiplication of a pass, of a Gram matrix, of
- * the descent; */
+/* Factors: a sample that a pass splits into channels; a multiplication of a pass, of a Gram matrix, of the
+ * descent. */
 static const double per_split = 1.2e-9, per_product = 0.025e-9, per_square = 0.06e-9,
                     per_level_square = 0.25e-9;
-/* of a round of match: a sample that is added to its source's row, a multiplication of the Gram matrices of
+/* A round of match: a sample that is added to its source's row, a multiplication of the Gram matrices of
  * views and texels, one of the descent on u, a point and a source that are compared, and two views of a
- * list (fitted to btf-sample bricks of 64x64 and 128x128 texels, 81 directions, and BRICKS64); */
+ * list. Fitted to btf-sample bricks of 64x64 and 128x128 texels, 81 directions, and BRICKS64. */
 enum { ALL_IN_REACH = 4096, SOURCES_OF_TILE = 2401, PAIRS_OF_TEXEL = 40 };
 static const double per_added = 3e-9, per_gram = 0.019e-9, per_own_square = 0.1e-9, per_compared = 0.95e-9,
                     per_view_pair = 18e-9;
-/* of the fit of nodes, */
+/* The fit of nodes: */
 static const double per_judged = 0.15e-9, per_table = 0.3e-6, per_turned = 0.03e-9, per_fitted = 2.5e-9;
-/* of relief: a sample reduced to numbers, a height of the sweep in a view, a sweep of the descent at a
- * texel of a view, a surface judged there, a sample baked along it, a direction of a list without one of
- * them, shares of gloss judged at a texel of a pair, */
+/* Relief and gloss: a sample reduced to numbers, a height of the sweep in a view, a sweep of the descent at
+ * a texel of a view, a surface judged there, a sample baked along it, a direction in the triangulation of a
+ * list without one of them, shares of gloss judged at a texel of a pair. */
 static const double per_number = 24e-9, per_swept = 95e-9, per_descent = 12.6e-6, per_surface = 0.8e-6,
                     per_baked = 15e-9, per_triangle = 60e-6, per_share = 2e-6;
-/* of what comes after the analysis. */
+/* What comes after the analysis: */
 static const double per_measured = 8e-9, per_measured_component = 0.17e-9, per_measured_lobe = 6e-9,
                     per_ssim = 8e-9, per_evaluation = 0.25e-6, per_left_out = 0.4e-6, per_packed = 30e-9,
                     per_saved = 800e-9, per_filtered = 2e-9, per_factor_evaluation = 0.1e-6,
                     per_factor_left_out = 0.25e-6, per_factor_saved = 200e-9;
 
-/* A list under construction. */
+/* The list of stages while it is made. */
 typedef struct list {
     estimate_part *parts;
     size_t count;
@@ -81,7 +81,7 @@ static counts count(const enc_extent *e) {
     return c;
 }
 
-/* Whether samples are made anew each time. */
+/* Whether samples are made again each time they are asked for. */
 static bool made_again(const enc_context *context, const enc_extent *e) {
     return !enc_data_fits(context, e->width, e->height, e->n_views, e->n_lights);
 }
@@ -112,7 +112,7 @@ static double foresee_cost(const counts *c, double fetch) {
            4 * 1.125 * luma * luma * (texels + columns) * per_square;
 }
 
-/* Heights are found on images of a bounded size, and judged at a bounded number of texels. */
+/* Adds relief. Heights are found on images of a bounded size, and judged at a bounded number of texels. */
 static void add_relief(list *l, const enc_context *context, const enc_job *job, const enc_extent *e, const counts *c,
                        int levels, double fetch) {
     const bool held = enc_data_fits(context, e->width, e->height, e->n_views, e->n_lights);
@@ -132,7 +132,8 @@ static void add_relief(list *l, const enc_context *context, const enc_job *job, 
     add(l, "relief", cost);
 }
 
-/* Candidates are judged at a fixed number of texels, by directions left out; then every sample is turned. */
+/* Adds the fit of nodes. Candidates are judged at a fixed number of texels, by directions left out; then
+ * every sample is replaced. */
 static void add_fit(list *l, const enc_job *job, const counts *c, double fetch) {
     const double judged = fmin(c->texels, ENC_FIT_TEXELS) * ENC_STRENGTHS * 36 * 3 * c->views * c->lights;
     const double tables = ENC_ROWS_MOST * (c->views * c->views + c->lights * c->lights);
@@ -153,8 +154,8 @@ static void add_fit(list *l, const enc_job *job, const counts *c, double fetch) 
 /* The model that the analysis is likely to find: measuring it costs by its size. */
 typedef struct outcome {
     double components, lobes, effects;
-    bool factors; /* levels are added up as products of matrices, and in long vectors: components are those
-                     of the other store that take as long */
+    bool factors; /* the model is factors: these are decoded faster, and `components` is the number of
+                     components of the other store that would take as long */
 } outcome;
 
 static double flow(const counts *c, double side, double lights) {
@@ -192,7 +193,7 @@ static outcome add_paper(list *l, const enc_extent *e, const counts *c, double f
     return (outcome){.lobes = o->fit.lobes, .effects = __builtin_popcount(o->effects)};
 }
 
-/* A round of match: a search, lists, and a descent on w and u. */
+/* Core seconds of a round of match: a search, lists, and a descent on w and u. */
 static double match_round(const counts *c, const enc_factors_settings *settings) {
     const double columns = c->views * c->lights, side = fmin(c->texels, columns);
     const double lists = (double)enc_match_bytes((size_t)c->texels, (size_t)c->views);
@@ -205,8 +206,8 @@ static double match_round(const counts *c, const enc_factors_settings *settings)
     return descent + search + c->points * fmin(c->views, PAIRS_OF_TEXEL) * per_view_pair;
 }
 
-/* Components of luma and of all channels that a budget of factors is expected to hold (see factor.c). */
-/* held: the samples lie in memory, without which no match is tried. */
+/* Adds the stages of --method joint, with as many components as a budget is expected to hold (factorise.c). held:
+ * the samples lie in memory, without which no match is tried. */
 static outcome add_factors(list *l, const counts *c, const enc_factors_settings *settings, double fetch,
                            bool held) {
     const double columns = c->views * c->lights, side = fmin(c->texels, columns);
@@ -216,7 +217,8 @@ static outcome add_factors(list *l, const counts *c, const enc_factors_settings 
     const double square = (c->texels + columns) * luma * luma;
     const double sweeps = 1 + settings->sweeps, passes = enc_factor_round_passes(settings->sweeps);
     const double times = settings->quality > 0 ? 1 + ENC_FACTORS_TRIALS / 2.0 : 1;
-    add(l, "factorise", 4 * pass + 6 * square * per_square); /* once for all budgets of a quality */
+    add(l, "factorise", 4 * pass + 6 * square * per_square); /* once, also where a quality tries several
+                                                                budgets */
     if (settings->quality == 0 && settings->tolerance > 0 &&
         c->texels * columns >= ENC_SIGNAL_LEAST_SAMPLES) { /* passes over parts of texels and directions */
         add(l, "cross-validate",
@@ -241,16 +243,17 @@ static double factor_levels(const counts *c, double further_share, const enc_fac
     const double columns = c->views * c->lights, side = fmin(c->texels, columns);
     const double luma = fmin((double)settings->budget * 8 / 3.2 / (c->texels + columns), side);
     return further_share * (c->samples * per_split + c->texels * columns * 1.25 * luma * per_product +
-                            (ENC_FACTORS_LEVEL_SWEEPS + ENC_FACTORS_FIT_SWEEPS) * c->texels * luma * luma * per_level_square) +
+                            (ENC_FACTORS_LEVEL_SWEEPS + ENC_FACTORS_FIT_SWEEPS) * c->texels * luma * luma *
+                                per_level_square) +
            luma * luma * columns * per_square;
 }
 
-/* Levels of detail beyond the first have a third of the texels. */
+/* The texels of all further levels, as a share of those of level 0: a third, where there are many. */
 static double further(int levels) {
     return levels > 1 ? (1 - pow(0.25, levels - 1)) / 3 : 0;
 }
 
-/* Texels drawn of all levels where samples are left out. */
+/* The texels of all levels that are drawn where samples are left out. */
 static double left_out_texels(double texels, int levels) {
     double sum = 0;
     for (int level = 0; level < levels; level++) {
@@ -259,8 +262,9 @@ static double left_out_texels(double texels, int levels) {
     return sum;
 }
 
-/* Evaluations of all levels for the table of effect errors: a coarser one has as many as level 0, up to its own limit. One of
- * fewer than four texels has fewer, since a texel is shown by at most 16 pairs of directions in a pair of bands. */
+/* Evaluations of all levels for the table of effect errors: a coarser one has as many as level 0, up to its
+ * own limit. One of fewer than four texels has fewer, since a texel is shown by at most 16 pairs of
+ * directions in a pair of bands. */
 static double effect_evaluations(const counts *c, int levels) {
     double sum = 0;
     for (int level = 0; level < levels; level++) {
@@ -306,7 +310,8 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
         effect_evaluations(&c, levels) *
                 (found.factors ? per_factor_evaluation : per_evaluation * (1 + 0.02 * found.components)) +
             further(levels) * c.samples * (per_filtered + fetch));
-    const int levels_left_out = paper ? 1 : levels; /* of files of version 2, which the paper's method does not make */
+    const int levels_left_out = paper ? 1 : levels; /* only files of version 2 have these, which the paper's
+                                                       method does not write */
     add(&l, "leave one out",
         left_out_texels(c.texels, levels_left_out) *
                 (3 * ENC_LEFT_OUT_PAIRS *

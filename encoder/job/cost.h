@@ -23,7 +23,7 @@
 size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_extent *extent,
                       estimate_part out_parts[ESTIMATE_PARTS]);
 
-/* Sum of all parts. */
+/* The sum of all parts, in core seconds. */
 double enc_cost_total(const estimate_part *parts, size_t count);
 
 #endif

@@ -17,7 +17,7 @@ enum {
     CHANNELS = ENC_FACTOR_CHANNELS,
     CHROMA_SHARE = 8,    /* luma has so many times the components of a chroma channel */
     SPARE = 32,          /* components sought beyond those wanted, which makes the wanted ones more exact */
-    DECODED_TEXELS = 64, /* decoded, to turn the error of roots into that of radiance */
+    DECODED_TEXELS = 64, /* texels that are decoded to turn the error of roots into that of radiance */
     BISECTIONS = 50,
 };
 
@@ -36,11 +36,12 @@ typedef struct survey {
     uint32_t list[ENC_FORESEE_TEXELS];
     enc_components components[CHANNELS];
     size_t wanted[CHANNELS];  /* components */
-    size_t leading[CHANNELS]; /* components whose energies are taken as found */
+    size_t leading[CHANNELS]; /* components whose energies count as found */
     double rest[CHANNELS];    /* energy of all components after these */
 } survey;
 
-/* One of each run of texels, at another place of each run, so that rows and columns both vary. */
+/* Draws one texel from each run of them, each time at another place of the run, so that rows and columns
+ * both vary. */
 static size_t draw_texels(size_t all, uint32_t *list) {
     const size_t count = all < ENC_FORESEE_TEXELS ? all : ENC_FORESEE_TEXELS;
     for (size_t i = 0; i < count; i++) {
@@ -93,7 +94,7 @@ static btf_result find(survey *s) {
     return result;
 }
 
-/* Sum of (j / from)^-power over j = from + 1 .. to. */
+/* The sum of (j / from)^-power over j = from + 1 .. to; writes the terms to `out` unless it is NULL. */
 static double power_sum(size_t from, size_t to, double power, double *out) {
     double sum = 0;
     for (size_t j = from + 1; j <= to; j++) {
@@ -106,8 +107,8 @@ static double power_sum(size_t from, size_t to, double power, double *out) {
     return sum;
 }
 
-/* Energies of `rank` components of all texels: those that were found, then a power law that begins at the
- * last of these and sums to the rest. */
+/* Extends the energies to `rank` components of all texels: first those that were found, then a power law
+ * that begins at the last of these and sums to the rest. */
 static void extend(const survey *s, int channel, double texels, size_t rank, double *out) {
     const enc_components *found = &s->components[channel];
     const size_t leading = s->leading[channel];
@@ -118,7 +119,7 @@ static void extend(const survey *s, int channel, double texels, size_t rank, dou
     if (leading == 0 || leading >= rank || !(s->rest[channel] > 0)) {
         return;
     }
-    /* the level of the last quarter, whose components differ by chance */
+    /* the law begins at the mean level of the last quarter, whose components differ by chance */
     const size_t first = leading - leading / 4 - 1;
     double level = 0;
     for (size_t j = first; j < leading; j++) {
@@ -140,7 +141,7 @@ static void extend(const survey *s, int channel, double texels, size_t rank, dou
     }
 }
 
-/* Energy that the plan for the budget leaves of the roots, of all texels. */
+/* Finds the energy that the plan for the budget leaves of the roots of all texels. */
 static btf_result planned_error(const survey *s, const enc_data *data, uint64_t budget, double *out) {
     const size_t all = enc_data_texel_count(data), columns = s->matrix.columns;
     const size_t rank = all < columns ? all : columns;
@@ -169,8 +170,8 @@ static double clipped(double x) {
     return x > 0 ? fmin(x, 1) : 0;
 }
 
-/* Errors of the leading components at one texel: of roots, of radiance, coded by sRGB. work:
- * [CHANNELS][columns]. */
+/* Finds the errors that the leading components leave at one texel: of roots, of radiance, of sRGB-coded
+ * radiance. work: [CHANNELS][columns]. */
 static btf_result decode(const survey *s, size_t at, float *samples, float *work, double out[3]) {
     static const double axis[3][CHANNELS] = {{0.57735027, 0.70710678, 0.40824829},
                                              {0.57735027, 0, -0.81649658},
@@ -205,7 +206,8 @@ static btf_result decode(const survey *s, size_t at, float *samples, float *work
     return result;
 }
 
-/* The errors of radiance and of its code for one of roots: means of squares over sums of squares. */
+/* Finds how large errors of radiance and of its sRGB code are for one of roots: ratios of sums of
+ * squares. */
 static btf_result turn(const survey *s, double *out_linear, double *out_srgb) {
     const size_t columns = s->matrix.columns, stride = 3 * columns;
     const size_t count = s->matrix.texels < DECODED_TEXELS ? s->matrix.texels : DECODED_TEXELS;
@@ -246,7 +248,7 @@ static btf_result foresee(survey *s, const enc_data *data, const enc_factors_set
     const double roots = (settings->sweeps > 0 ? descended : 1) * energy / samples;
     *out = (enc_fit_error){linear * roots, srgb * roots};
     const double enough = settings->quality > 0 ? pow(10, -settings->quality / 10) : 0;
-    if (out->srgb > 0 && out->srgb < enough) { /* bytes are given back down to that */
+    if (out->srgb > 0 && out->srgb < enough) { /* bytes are saved until the error is that large */
         out->linear *= enough / out->srgb;
         out->srgb = enough;
     }

@@ -8,14 +8,14 @@
 #include "encoder/factor/method.h"
 #include "encoder/nodes/choose.h"
 
-enum { ENC_FORESEE_TEXELS = 1024, ENC_FORESEE_RANK = 256 }; /* texels drawn, components found: at most */
+enum { ENC_FORESEE_TEXELS = 1024, ENC_FORESEE_RANK = 256 }; /* at most: texels drawn, components found */
 
-/* Squared error, linear and sRGB-coded, that the encode of `data` by these settings is expected to leave at
- * the samples: within 1.5 dB, sRGB-coded, on the materials of nodes/FIT.md. Leading components of evenly
- * drawn texels are found; energies of the others are taken to fall by a power, of which their sum is known;
- * allocation plans the bytes. Bytes that a tolerance leaves unspent and the gain of match are not foreseen.
- * Every rank gets the same number, the same bits for any number of threads. Stage "foresee error", of a
- * fixed number of texels. Errors: those of enc_components_find. */
+/* Predicts the squared error, linear and sRGB-coded, that the encode of `data` by these settings leaves at
+ * the samples. On the materials of nodes/FIT.md it is within 1.5 dB, sRGB-coded. Leading components of
+ * evenly drawn texels are found; energies of the others are taken to fall by a power, of which their sum is
+ * known; allocation plans the bytes. It foresees neither bytes that a tolerance leaves unspent nor the gain
+ * of match. Every rank gets the same number, the same bits for any number of threads. Stage "foresee
+ * error", of a fixed number of texels. Errors: those of enc_components_find. */
 btf_result enc_foresee_error(const enc_context *context, const enc_data *data,
                              const enc_factors_settings *settings, enc_fit_error *out_error);
 

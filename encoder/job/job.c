@@ -31,7 +31,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Checks before the work that a file can be made at the path. Pipes and devices are not opened for that. */
+/* Checks, before the work, that a file can be made at the path. Does not open pipes and devices for
+ * that. */
 static btf_result try_output(const enc_context *context, const char *path) {
     struct stat there;
     output *file = NULL;
@@ -43,7 +44,7 @@ static btf_result try_output(const enc_context *context, const char *path) {
     return result;
 }
 
-/* No output may replace an input or another output. */
+/* Refuses an output that would replace an input or another output. */
 static btf_result check_outputs(const enc_context *context, const enc_job *job) {
     const char *inputs[] = {job->input, job->read.coincident}, *outputs[] = {job->output, job->report};
     for (int o = 0; o < 2; o++) {
@@ -78,7 +79,7 @@ static btf_result prepare_outputs(const enc_context *context, const enc_job *job
     return result;
 }
 
-/* "name=value name=value" for the material's provenance; the caller frees. */
+/* Joins options to "name=value name=value" for the material's provenance; the caller frees it. */
 static char *join_options(const char *const *values) {
     size_t length = 1;
     for (int i = 0; values[i]; i++) {
@@ -102,9 +103,9 @@ static const char *base_name(const char *path) {
 /* The results of a job's stages while it runs. */
 typedef struct job_state {
     enc_data *data;
-    enc_between between; /* its store moves to `found` */
+    enc_between between; /* its relief store moves to `found` */
     char *provenance; /* options as given, and the choices that they left open */
-    enc_solution found, stored; /* as the method found it; as the packed material holds it */
+    enc_solution found, stored; /* the model as the method found it, and as the packed material holds it */
     enc_levels found_levels, stored_levels;
     enc_occlusion *occlusion;
     btf_material *material;
@@ -115,7 +116,7 @@ typedef struct job_state {
     uint16_t *preview;
 } job_state;
 
-/* The values that methods analyse: the samples, or those fitted to them. */
+/* The values that methods analyse: the samples, or those fitted from them. */
 static const enc_data *analysed(const job_state *s) {
     return s->between.fitted ? s->between.fitted : s->data;
 }
@@ -178,8 +179,8 @@ typedef struct between_table {
     size_t count;
 } between_table;
 
-/* Measures the levels of s->material, of files of version 1 level 0 alone, into a table, which the caller frees; *out_first:
- * level 0. */
+/* Measures the levels of s->material, or level 0 alone for a file of version 1, into a table, which the
+ * caller frees. *out_first: the measurement of level 0. */
 static btf_result measure_between(const enc_context *context, const job_state *s, enc_leave_one_out *out_first,
                                   between_table *out) {
     btf_material_info info = {.struct_size = sizeof info};
@@ -304,7 +305,7 @@ static btf_result draw(const enc_context *context, const enc_job *job, job_state
     return result;
 }
 
-/* The outputs, which rank 0 alone writes. */
+/* Writes the outputs, which rank 0 does alone. */
 static btf_result write_outputs(const enc_context *context, const enc_job *job, job_state *s,
                                 enc_report *report) {
     btf_result result = job->pictures ? draw(context, job, s, report) : BTF_OK;
@@ -319,7 +320,7 @@ static btf_result write_outputs(const enc_context *context, const enc_job *job, 
     return result;
 }
 
-/* The report, as a file and on standard output. */
+/* Writes the report, as a file and on standard output. */
 static btf_result write_report(const enc_context *context, const enc_job *job, double start,
                                double core_start, enc_report *report) {
     struct stat file;
@@ -355,13 +356,14 @@ static void clear_state(job_state *s) {
     free(s->options);
 }
 
-/* The plan of the stages goes here. */
+/* Where the plan of the stages is written once the extent of the data is known. */
 typedef struct stage_planner {
     const enc_job *job;
     enc_report *report;
 } stage_planner;
 
-/* Refuses a budget whose factors do not fit --memory: the reader has checked the default budget alone. */
+/* Refuses a budget whose factors do not fit --memory, since the reader has checked the default budget
+ * only. */
 static btf_result check_budget(const enc_context *context, const enc_job *job, const enc_extent *e) {
     if (job->method != ENC_METHOD_JOINT || context->memory == 0) {
         return BTF_OK;
@@ -407,8 +409,8 @@ static btf_result read_input(const enc_context *context, const enc_job *job, enc
     return result;
 }
 
-/* Finds the model of every level; what the first level's stages find is kept in the checkpoint, which stays
- * open. */
+/* Finds the model of every level; the checkpoint, which stays open, keeps what the stages of level 0
+ * find. */
 static btf_result find_model(const enc_context *context, const enc_job *job, job_state *s,
                              enc_report *report) {
     int levels = 1;
@@ -467,7 +469,7 @@ btf_result enc_job_run(const enc_context *caller, const enc_job *job) {
     if (result == BTF_OK) {
         result = pack_and_measure(context, job, &state, &report);
     }
-    result = enc_ranks_agree(context, result); /* no output before all ranks are done */
+    result = enc_ranks_agree(context, result); /* no rank writes outputs before all are done */
     if (result == BTF_OK && leads) {
         result = write_outputs(context, job, &state, &report);
     }
@@ -479,7 +481,7 @@ btf_result enc_job_run(const enc_context *caller, const enc_job *job) {
     }
     result = enc_ranks_agree(context, result);
     if (result != BTF_OK && made_folder) {
-        rmdir(job->pictures); /* when nothing was drawn */
+        rmdir(job->pictures); /* removes it if nothing was drawn */
     }
     enc_checkpoint_close(&state.checkpoint, false);
     enc_messages_clear(&report.reading);

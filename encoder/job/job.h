@@ -7,10 +7,10 @@
 
 #include "settings.h"
 
-/* Runs the job: that the outputs can be made is checked first, the material is saved after the pictures,
- * the report comes last. Errors: those of the stages; a message was logged, but for BTF_ERROR_INTERRUPTED.
- * On error or interruption there is no new material, unless only the report could not be written; pictures
- * may be there. */
+/* Runs the job. First it checks that the outputs can be made; it saves the material after the pictures, and
+ * writes the report last. Errors: those of the stages, with a message on the log, except for
+ * BTF_ERROR_INTERRUPTED. On error or interruption there is no new material, unless only the report could
+ * not be written; pictures may be there. */
 btf_result enc_job_run(const enc_context *context, const enc_job *job);
 
 #endif

@@ -25,7 +25,7 @@ typedef struct fit_pass {
     enc_levels *levels;
 } fit_pass;
 
-/* Puts the centres of a level behind those of the base, in its scale. */
+/* Appends the centres of a level to those of the base, in the scale of the base. */
 static btf_result append_centres(const enc_context *context, const enc_solution *level,
                                  enc_solution *base) {
     const size_t bytes = (size_t)3 * (size_t)base->n_lights;
@@ -57,6 +57,7 @@ static btf_result fit_paper(fit_pass *pass, const enc_data *data, int level, enc
         const int shift = 2 * level < 31 ? 2 * level : 31;
         result = enc_pack_centre_room(&pass->quiet, data->width, data->height, data->n_views,
                                       data->n_lights, &most);
+        /* of centres that the user asked for, a level gets the share that its texels are of those of level 0 */
         most = options.centres > 0 ? (options.centres >> shift) + 1 : most;
         options.centres = most < room ? most : room;
         if (options.centres == 0) {
@@ -70,6 +71,7 @@ static btf_result fit_paper(fit_pass *pass, const enc_data *data, int level, enc
         result = append_centres(pass->context, &found, base);
     }
     if (result == BTF_OK) {
+        /* centres of all levels lie in one list, where those of this level begin at `first` */
         const size_t points = enc_solution_texels(&found) * (size_t)data->n_views;
         for (size_t i = 0; i < points && found.gain; i++) {
             if (found.gain[i] == 0) {
@@ -89,8 +91,8 @@ static btf_result fit_paper(fit_pass *pass, const enc_data *data, int level, enc
     return result;
 }
 
-/* Values at the nodes of a level, where there are any, along its surface unless relief has ended; and the codes of
- * its heights, which the file has all the same. */
+/* Finds the values at the nodes of a level, if nodes are fitted, along its surface unless relief has ended
+ * before it; and the codes of its heights, which the file has in any case. */
 static btf_result prepare_level(const fit_pass *pass, int level, const enc_data *samples, uint8_t **out_codes,
                                 enc_data **out_fitted) {
     const enc_relief_store *relief = &pass->base->relief;
@@ -143,7 +145,7 @@ btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int 
                      .base = base,
                      .levels = out_levels};
     pass.quiet.progress = NULL;
-    pass.quiet.checkpoint = NULL; /* steps of level 0 */
+    pass.quiet.checkpoint = NULL; /* its steps are those of level 0 */
     *out_levels = (enc_levels){.count = count, .level = calloc((size_t)count, sizeof(enc_solution))};
     if (!out_levels->level) {
         *out_levels = (enc_levels){0};
@@ -156,7 +158,7 @@ btf_result enc_levels_fit(const enc_context *context, const enc_data *data, int 
         enc_levels_clear(out_levels);
         return result;
     }
-    for (int i = 0; i + 1 < count; i++) { /* the centres may have moved */
+    for (int i = 0; i + 1 < count; i++) { /* appending to the centres may have moved them */
         out_levels->level[i].centre_codes = base->centre_codes;
         out_levels->level[i].n_centres = base->n_centres;
     }

@@ -19,8 +19,8 @@ static uint64_t larger(uint64_t a, uint64_t b) {
     return a > b ? a : b;
 }
 
-/* Bytes that every method takes: reading holds one image a thread and the planes of one view, measuring two
- * views. */
+/* Bytes that every method takes: to read, one image for each thread and the planes of one view; to measure,
+ * two views. */
 static uint64_t common(const extent *e) {
     return larger(e->image_view + e->texels * 12 * (1 + 3 * e->threads),
                   2 * e->image_view + e->texels * 24);
@@ -49,7 +49,7 @@ static extent extent_of(int width, int height, int n_views, int n_lights, int th
     return e;
 }
 
-/* A third more for the allocator. */
+/* Adds a third for what the allocator wastes. */
 static uint64_t with_slack(uint64_t sum) {
     return sum + sum / 3;
 }
@@ -59,14 +59,14 @@ uint64_t enc_memory_least_paper(int width, int height, int n_views, int n_lights
     return with_slack(paper(&e));
 }
 
-/* The larger of two stages of the factors: the analysis, which has few and large arrays; decoding, with the
- * profiles of a view and the maps of every point. */
+/* Bytes that factors take in the larger of two stages: the analysis, which has few and large arrays, and
+ * decoding, which has the profiles of a view and the maps of every point. */
 static uint64_t factors(const extent *e, int width, int height, uint64_t budget, int threads) {
     const uint64_t analysis =
         enc_factor_memory(width, height, (int)e->views, (int)e->lights, budget, threads);
     const uint64_t held = 3 * budget + 5 * e->points,
                    components = budget * 8 / 2 / (e->texels + e->views * e->lights);
-    const uint64_t levels = 2 * e->views * e->lights * components; /* of w, while errors are measured */
+    const uint64_t levels = 2 * e->views * e->lights * components; /* levels of w while errors are measured */
     return larger(analysis + analysis / 16, with_slack(held + levels + common(e)));
 }
 

@@ -7,10 +7,10 @@
 
 #include "settings.h"
 
-/* Bytes that an encode of such data takes beside the samples, which go to a scratch file where there is no
- * room for them: the largest stage, each in its smallest blocks with one thread where a thread needs much.
- * Without the program itself but for what grows with the data. --method joint is taken with the default
- * budget. Each is an enc_least_memory. */
+/* The fewest bytes in which data of this size can be encoded, beside the samples, which go to a scratch
+ * file where there is no room for them: those of the largest stage, with the smallest blocks, and with one
+ * thread where each needs much. The program itself is not counted, but for what grows with the data.
+ * --method joint has the default budget. Each function is an enc_least_memory. */
 uint64_t enc_memory_least_joint(int width, int height, int n_views, int n_lights, int threads);
 uint64_t enc_memory_least_paper(int width, int height, int n_views, int n_lights, int threads);
 enc_least_memory enc_memory_least(enc_method method);
@@ -19,9 +19,9 @@ enc_least_memory enc_memory_least(enc_method method);
 uint64_t enc_memory_of_factors(int width, int height, int n_views, int n_lights, int threads,
                                uint64_t budget);
 
-/* Bytes that an encode is expected to take at its peak with the memory allowed, and those of its scratch
- * files; `budget`: of factors; `made`: samples are made again rather than kept in a file; `fitted`: as many
- * fitted values lie beside them. */
+/* The bytes that an encode is expected to take at its peak with the memory allowed, and those of its
+ * scratch files. `budget`: of factors. `made`: samples are made again rather than kept in a file. `fitted`:
+ * as many fitted values as samples exist beside them. */
 typedef struct enc_memory_use {
     uint64_t peak, scratch;
 } enc_memory_use;

@@ -17,13 +17,13 @@ static struct {
     int window[2];
     double effect_tolerance[2]; /* dB; --method paper: dB for each MB */
     bool data_points;
-    const char *metric; /* --metric, which was removed: refused with a reason */
+    const char *metric; /* --metric, which was removed: it is refused, and the reason told */
 } o = {.all = {.job = {.levels = 1}},
        .effects = UINT32_MAX,
        .preset = ENC_PRESET_MEDIUM,
        .hidden_threshold = 0.7};
 
-/* Whether options of one method were given, in the order of the table. */
+/* Which of the options that belong to one method were given, in the order of the table. */
 static bool given[18];
 
 static const cli_option table[] = {
@@ -309,10 +309,10 @@ static btf_result refuse_other(const char *method) {
     return BTF_OK;
 }
 
-/* Effects that --method paper may use, any of them or none. */
+/* The effects that --method paper may use, any of them or none. */
 static const uint32_t paper_effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN;
 
-/* Effects of factors with match (factor/match/match.h). */
+/* The effects of factors with match (factor/match/match.h). */
 static const uint32_t matched_effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL;
 
 /* Checks effects and the unit of their tolerance, by method. */

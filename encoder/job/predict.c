@@ -18,14 +18,15 @@
 
 enum { PRODUCT = 192, ROOTS = 1 << 22 };
 
-/* Core seconds on the machine to which cost.c was fitted: of a matrix product of PRODUCT^3, of ROOTS square
- * roots in memory. Medians of four runs, idle, where encodes of 32x32 and 64x64 texels by both methods took
- * what the model says within a fifth. */
+/* Core seconds on the machine to which cost.c was fitted: a matrix product of PRODUCT^3, and ROOTS square
+ * roots in memory. Medians of four runs while it was idle, where encodes of 32x32 and 64x64 texels by both
+ * methods took what the model says within a fifth. */
 static const double product_seconds = 0.0734e-3, root_seconds = 0.78e-3;
 
 /* Factors from the model's times to those of this machine, stage by stage. */
 typedef struct scales {
-    enc_report_times report; /* of the encode that the scales come from; empty for those of the machine */
+    enc_report_times report; /* of the encode that the scales come from; empty where this machine was
+                                measured */
     double all;              /* for stages that the report does not list */
 } scales;
 
@@ -34,7 +35,7 @@ static double scale_of(const scales *s, const char *stage) {
     const double took = enc_stage_time(measured, stage),
                  predicted = enc_stage_time(&s->report.predicted, stage);
     if (predicted > 0 && isnan(took)) {
-        return 0; /* there, it was not needed */
+        return 0; /* the report's encode did not need it */
     }
     const double least =
         2e-3 * enc_stage_time(measured, "total"); /* shorter stages are not measured well */
@@ -111,7 +112,7 @@ static btf_result measure_machine(const enc_context *context, scales *out) {
 static btf_result take_extent(void *user, const enc_context *context, const enc_extent *extent) {
     (void)context;
     *(enc_extent *)user = *extent;
-    return BTF_ERROR_INTERRUPTED; /* nothing is read */
+    return BTF_ERROR_INTERRUPTED; /* ends the reading before the samples are read */
 }
 
 static void print_duration(FILE *out, double seconds) {
@@ -135,6 +136,7 @@ static void print_prediction(const enc_context *context, const enc_job *job, con
                             e->origin == ENC_ORIGIN_BONN, job->fit == ENC_FIT_BETWEEN);
     if (enc_settings_try_relief(job) && job->relief.relief &&
         enc_data_fits(context, e->width, e->height, e->n_views, e->n_lights)) {
+        /* relief is looked for beside the samples, which may take more than all later stages */
         const uint64_t relief = enc_extent_bytes(e) + enc_relief_memory(e->width, e->height, e->n_views, e->n_lights);
         use.peak = relief > use.peak ? relief : use.peak;
     }

@@ -14,8 +14,8 @@
 static const char step[] = "relief";
 
 /* One walk over a choice, which puts its numbers into the blob or takes them out of it, so that both agree
- * about their order. Numbers that are taken must lie within what an encode gives: an undamaged file
- * may still come from no encode. */
+ * about their order. Numbers that are taken must be such as an encode gives, since an undamaged file may
+ * still hold others. */
 typedef struct walk {
     enc_blob *blob;
     bool takes, good;
@@ -105,15 +105,15 @@ static void pass_choice(walk *w, enc_relief_choice *io_choice, int n_views) {
     pass_gloss(w, &io_choice->gloss);
 }
 
-/* Heights that a file may hold, of a map where there are steps, and a share of the half vector where there is gloss:
- * positions of marches along others would leave the tables of wrapped texels. */
+/* Whether a file may hold the heights (a map where their step is not 0) and the share of the half vector
+ * (where there is gloss): marches along other heights would leave the tables of wrapped texels. */
 static bool is_sound(const enc_relief_store *s, bool map) {
     const bool gloss = s->effects & BTF_EFFECT_GLOSS, relief = s->effects & BTF_EFFECT_RELIEF;
     return gloss == (s->gloss_share > 0) && s->gloss_share <= 2 &&
            (!relief || (map == (s->step > 0) && s->base + ((255 * s->step) >> 8) <= INT16_MAX));
 }
 
-/* The store but for its arrays, and whether it has heights. */
+/* Passes the store but for its arrays, and whether it has heights. */
 static void pass_store(walk *w, enc_relief_store *io_store, const enc_data *data, bool *io_map) {
     pass_count(w, &io_store->effects, 0, BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS);
     w->good = w->good && (io_store->effects & ~(uint32_t)(BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS)) == 0;
@@ -130,7 +130,7 @@ static void pass_store(walk *w, enc_relief_store *io_store, const enc_data *data
     w->good = w->good && is_sound(io_store, *io_map);
 }
 
-/* False where no encode gives such arrays, or memory is short. */
+/* Takes the arrays; false where no encode gives such ones, or memory is short. */
 static bool take_arrays(enc_blob *blob, const enc_data *data, bool map, enc_relief_store *out) {
     const size_t texels = enc_data_texel_count(data), views = (size_t)data->n_views;
     out->views = malloc(views);

@@ -10,10 +10,10 @@
 
 enum { ENC_RELIEF_REASON = 96 };
 
-/* Whether the choice is kept: then *out_choice and *out_store are what enc_relief_choose said,
- * out_choice->reason in `reason`; else they are empty. The ranks meet. Errors, on the log: BTF_ERROR_USAGE
- * (there is a relief, which the steps after it were found with, but the samples no longer lie in memory).
- */
+/* Takes the choice if the checkpoint has it: then *out_taken is true, and *out_choice and *out_store are
+ * what enc_relief_choose gave, with out_choice->reason in `reason`; else they are empty. The ranks meet.
+ * Errors, on the log: BTF_ERROR_USAGE (there is a relief, which the steps after it were found with, but the
+ * samples no longer lie in memory). */
 btf_result enc_relief_step_take(const enc_context *context, const enc_data *data, bool *out_taken,
                                 enc_relief_choice *out_choice, char reason[ENC_RELIEF_REASON],
                                 enc_relief_store *out_store);

@@ -45,16 +45,16 @@ typedef struct enc_joint_options {
 /* The defaults above. */
 enc_joint_options enc_joint_options_default(void);
 
-/* GPU bytes that layout `paper` takes for such data, 64 W H + 4 AW AH by the formula of FORMAT.md section
- * 5, or where it has no legal atlas 64 W H + 4 * 1.6 * T W H; at most 62,500 times the root of W H, which
- * counts from 109x109 texels on with 81 directions, from 70x70 on with 151: 8 MB of 128x128, 16 MB of 256x256, 25 MB of 400x400; of data of a
- * few texels what the least factors take. */
+/* The GPU bytes that layout `paper` takes for such data, 64 W H + 4 AW AH by the formula of FORMAT.md
+ * section 5, or where it has no legal atlas 64 W H + 4 * 1.6 * T W H; at most 62,500 times the root of W H,
+ * which is less from 109x109 texels on with 81 directions, from 70x70 on with 151: 8 MB for 128x128, 16 MB
+ * for 256x256, 25 MB for 400x400. For data of a few texels, what the least factors take. */
 uint64_t enc_default_budget(int width, int height, int n_views, int n_lights);
 
-/* The directions that node values are fitted for (nodes/fit.h), as --fit takes them. */
+/* What node values are fitted for (nodes/fit.h), as --fit takes it. */
 typedef enum enc_fit_goal {
     ENC_FIT_BETWEEN = 0, /* directions between the samples, where that pays */
-    ENC_FIT_SAMPLES = 1, /* the samples: values at the nodes are these */
+    ENC_FIT_SAMPLES = 1, /* the samples, which are the values at the nodes then */
 } enc_fit_goal;
 
 typedef struct enc_job enc_job;
@@ -85,11 +85,11 @@ typedef struct enc_option_values {
     size_t count;
 } enc_option_values;
 
-/* For the material's provenance and the report; every member of job but option_values is set. The list
- * points to names that stay and into *out_values, which is not to be moved. */
+/* Lists the options for the material's provenance and the report. Every member of `job` but option_values
+ * must be set. The list points to constants and into *out_values itself, which must not be moved. */
 void enc_settings_describe(const enc_job *job, enc_option_values *out_values);
 
-/* Whether relief is looked for, or gloss judged. */
+/* Whether the job looks for relief, or judges gloss. */
 bool enc_settings_try_relief(const enc_job *job);
 
 /* The settings of the factors that the options of --method joint make for data of this extent. */

@@ -21,8 +21,8 @@ typedef struct enc_ceres_options {
     int parameters;      /* P, >= 1 */
     const double *lower; /* [P] box; the start lies in it, and so does every point evaluated */
     const double *upper; /* [P] */
-    double tolerance;    /* stop after two steps running that lower the cost by less than this part */
-    int max_evaluations; /* calls of the evaluation at most, >= 1 */
+    double tolerance; /* stop after two steps in a row that lower the cost by less than this share of it */
+    int max_evaluations;        /* calls of the evaluation at most, >= 1 */
     double trust_region_radius; /* of the first step; ceres::TinySolver's initial_trust_region_radius */
 } enc_ceres_options;
 

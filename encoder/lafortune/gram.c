@@ -9,12 +9,13 @@
 
 enum { VECTORS = ENC_GRAM_BLOCK / ENC_LANES };
 
-/* All columns of one block; 20 KB at most, so that they stay in the first-level cache. */
+/* All columns of one block: 20 KB at most, which stay in the first-level cache. */
 typedef struct block_columns {
     enc_v16 column[ENC_GRAM_MAX_COLUMNS][VECTORS];
 } block_columns;
 
-/* h = multiplier * base^(n-1) and the lobe's four columns for one vector of samples; out_value = h * base. */
+/* Computes, for one vector of samples, the lobe's four columns from h = multiplier * base^(n-1); out_value
+ * = h * base. */
 ENC_INLINE void lobe_columns(const float shape[4], const enc_v16 *px, const enc_v16 *py, const enc_v16 *pz,
                              const enc_v16 *multiplier, enc_v16 *ex, enc_v16 *ey, enc_v16 *ez, enc_v16 *en,
                              enc_v16 *out_value) {
@@ -64,7 +65,7 @@ ENC_INLINE void fill_columns(const enc_gram_samples *samples, size_t first, int 
     }
 }
 
-/* Dot products of four columns with four columns over one block, lane by lane: 16 accumulators of 16 lanes,
+/* Multiplies four columns with four columns over one block, lane by lane, in 16 accumulators of 16 lanes:
  * for machines with 32 wide registers. */
 ENC_INLINE void multiply_tile_wide(enc_v16 (*a)[VECTORS], enc_v16 (*b)[VECTORS], enc_v16 sum[16]) {
     enc_v16 s00 = {0}, s01 = s00, s02 = s00, s03 = s00, s10 = s00, s11 = s00, s12 = s00, s13 = s00;
@@ -83,7 +84,8 @@ ENC_INLINE void multiply_tile_wide(enc_v16 (*a)[VECTORS], enc_v16 (*b)[VECTORS],
     sum[12] = s30, sum[13] = s31, sum[14] = s32, sum[15] = s33;
 }
 
-/* The sums of multiply_tile_wide with eight accumulators of half the lanes at a time, for machines with 16 registers. */
+/* Adds the sums of multiply_tile_wide by eight accumulators of half the lanes at a time: for machines with
+ * 16 registers. */
 ENC_INLINE void multiply_tile_narrow(enc_v16 (*a)[VECTORS], enc_v16 (*b)[VECTORS], enc_v16 sum[16]) {
     typedef float v8 __attribute__((vector_size(32), may_alias));
     enum { STEP = 2 }; /* halves a vector */

@@ -16,9 +16,10 @@ static double term_colour(const enc_fit_problem *p, const enc_fit_solution *at, 
     return t == 0 ? at->colour[c][0] * at->diffuse : at->colour[c][0];
 }
 
-/* The Gram matrix at `at`; shapes and the weights of RGB lobes are rounded to float in `at` too, so that
- * what follows is computed for the point evaluated. They are read back after the call: GCC 12 at -O3 with
- * AVX-512 drops the rounding of (double)(float)x where it sees both conversions. */
+/* Makes the Gram matrix at `at`. Shapes and the weights of RGB lobes are rounded to float in `at` too, so
+ * that what follows is computed for the very point that the samples were evaluated at. They are read back
+ * after the call: GCC 12 at -O3 with AVX-512 drops the rounding of (double)(float)x where it sees both
+ * conversions. */
 static void accumulate(enc_fit_problem *p, enc_fit_solution *at) {
     enc_gram_point point = {0};
     for (int j = 0; j < p->lobes; j++) {
@@ -79,13 +80,13 @@ double enc_fit_overshoot(const enc_gram_samples *samples, const double shape[4],
     return log(fmax(fmax(fmax(fabs(shape[0]), fabs(shape[1])), shape[2]) / *out_peak, 1));
 }
 
-/* Natural logarithm of the largest value that a lobe of one colour may have at a sample: below the 2^40 at
- * which powers are cut off, so that no lobe looks flat to the solver that is not. */
+/* Natural logarithm of the largest value that a lobe of one colour may have at a sample: below 2^40, where
+ * powers are cut off, so that no lobe looks flat to the solver without being flat. */
 static const double most_peak = 27;
 
 /* Takes lobe j's (Cx, Cy, Cz, ln n) from the solver: n is lowered where the lobe would tower over its own
  * samples elsewhere, or over the range of floats at them, and RGB lobes are scaled to a largest base of 1.
- * That scale is the weight's to say, so that derivatives need no term for it: the projection takes it out. */
+ * The weight carries that scale, so that derivatives need no term for it: the projection takes it out. */
 static void take_lobe(const enc_fit_problem *p, const double *lobe, int j, enc_fit_solution *at) {
     double *shape = at->shape[j], peak;
     memcpy(shape, lobe, 3 * sizeof *lobe);
@@ -209,7 +210,7 @@ static void solve_positive(double a[MAX_TERMS][MAX_TERMS], double *b, int n) {
     }
 }
 
-/* x over the terms of `set`, the rest 0: the minimum of x^T m x / 2 - b^T x there. */
+/* Finds x with terms of `set` alone, the rest 0, at the minimum of x^T m x / 2 - b^T x. */
 static void solve_subset(double m[MAX_TERMS][MAX_TERMS], const double *b, int n, unsigned set, double *x) {
     double a[MAX_TERMS][MAX_TERMS], r[MAX_TERMS];
     int index[MAX_TERMS], count = 0;
@@ -231,7 +232,8 @@ static void solve_subset(double m[MAX_TERMS][MAX_TERMS], const double *b, int n,
     }
 }
 
-/* Minimum of x^T m x / 2 - b^T x over x >= 0 (Lawson and Hanson 1974). Returns the set of terms in use. */
+/* Finds the minimum of x^T m x / 2 - b^T x over x >= 0 (Lawson and Hanson 1974). Returns the set of terms
+ * in use. */
 static unsigned solve_nonnegative(double m[MAX_TERMS][MAX_TERMS], const double *b, int n, double *x) {
     unsigned set = 0;
     memset(x, 0, sizeof *x * (size_t)n);
@@ -355,9 +357,9 @@ static double residual_energy(const enc_fit_problem *p) {
     return p->gram[columns + 1] + p->gram[2 * columns + 2] + p->gram[3 * columns + 3];
 }
 
-/* Residuals are taken at the best colours so far, where they are small, so that the
- * cost does not come out of a difference of large float sums; where a far step makes it one all the same,
- * they are taken again at the colours just found. */
+/* Takes residuals at the best colours so far, where they are small, so that the cost is no difference of
+ * large float sums; where a far step makes it one all the same, takes them again at the colours just
+ * found. */
 void enc_fit_evaluate(void *user, const double *parameters, double *out_normal) {
     enc_fit_problem *p = user;
     enc_fit_solution at = p->best;

@@ -1,4 +1,4 @@
-/* Makes the normal equations of the fit, colours eliminated, from the Gram matrix of one texel's samples.
+/* The normal equations of the fit, with colours eliminated, from the Gram matrix of one texel's samples.
  * Internal to the fit.
  *
  * SPDX-License-Identifier: MIT
@@ -30,7 +30,8 @@ typedef struct enc_fit_problem {
     double scale;                    /* targets were divided by this */
     double diffuse_colour[3];        /* the best model without lobes */
     double diffuse_cost, energy;     /* its cost; sum of squared targets */
-    double overshoot[ENC_MAX_LOBES]; /* ln of how far a lobe may exceed its largest value at a sample */
+    double overshoot[ENC_MAX_LOBES]; /* ln of the most times that a lobe may exceed its largest value at a
+                                        sample */
     int evaluations;
     enc_fit_solution best; /* the cheapest point evaluated since its cost was set to infinity */
     double gram[ENC_GRAM_MAX_COLUMNS * ENC_GRAM_MAX_COLUMNS];

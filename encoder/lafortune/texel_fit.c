@@ -27,9 +27,10 @@ struct enc_fit_workspace {
     float *thin[PLANES]; /* a quarter of them */
 };
 
-/* Starting shapes (Cx, Cy, Cz, n), lobes apart from each other: in a prototype identical ones, or ones symmetric
- * in azimuth, never parted or parted slowly. The first set has a mirror lobe and two slanted ones. Four sets,
- * competing on a quarter of the samples, gave BRICKS64 20.71 / 17.99 dB, one alone 20.69 / 17.98. */
+/* Starting shapes (Cx, Cy, Cz, n), with lobes apart from one another: in a prototype, lobes that began
+ * alike never parted, and those that began symmetric in azimuth parted slowly. The first set has a mirror
+ * lobe and two slanted ones. Four sets, competing on a quarter of the samples, gave BRICKS64 20.71 / 17.99
+ * dB, one alone 20.69 / 17.98. */
 static const double start_shapes[ENC_FIT_MAX_STARTS][ENC_MAX_LOBES][4] = {
     {{-1.0, -1.0, 1.0, 8}, {0.8, -0.3, 0.6, 2}, {-0.3, 0.8, 0.6, 2}, {0.5, 0.5, 0.7, 3}},
     {{-0.9, -0.9, 0.9, 30}, {0.7, 0.7, 0.7, 4}, {-0.5, -0.5, 0.9, 1}, {0.3, -0.8, 0.6, 2}},
@@ -101,7 +102,7 @@ void enc_fit_fixed_start(int index, int lobes, float *out_parameters) {
     }
 }
 
-/* `n` samples lying in `plane`, whose padding is set to 0. */
+/* The `n` samples that lie in `plane`, whose padding it sets to 0. */
 static enc_gram_samples padded_samples(float *const plane[PLANES], size_t n) {
     for (int k = 0; k < PLANES; k++) {
         memset(plane[k] + n, 0, (padded_size(n) - n) * sizeof(float));
@@ -114,7 +115,8 @@ static enc_gram_samples padded_samples(float *const plane[PLANES], size_t n) {
     };
 }
 
-/* One sample of every THINNING, at a place that moves so as not to fall in step with the lights. */
+/* Copies one sample of every THINNING, at a place that moves on so as not to fall in step with the
+ * lights. */
 static enc_gram_samples thin_samples(enc_fit_workspace *workspace, size_t n) {
     const size_t count = n / THINNING;
     for (int k = 0; k < PLANES; k++) {
@@ -171,7 +173,7 @@ static bool load_samples(enc_fit_workspace *workspace, const enc_fit_samples *sa
     return true;
 }
 
-/* One descent from p->best (shapes, rho_d; colours 0 or good ones), whose cost is not looked at. */
+/* Runs one descent from p->best (shapes, rho_d; colours 0 or good ones), whose cost is not looked at. */
 static btf_result descend(enc_fit_problem *p, const enc_fit_options *options) {
     double parameters[ENC_FIT_MAX_PARAMETERS], lower[ENC_FIT_MAX_PARAMETERS], upper[ENC_FIT_MAX_PARAMETERS];
     int size = 0;
@@ -202,7 +204,7 @@ static btf_result descend(enc_fit_problem *p, const enc_fit_options *options) {
                                                                                   : BTF_ERROR_MEMORY;
 }
 
-/* The fixed start `index`. */
+/* Sets p->best to the fixed start `index`. */
 static void fixed_start(enc_fit_problem *p, int index) {
     memset(&p->best, 0, sizeof p->best);
     memcpy(p->best.shape, start_shapes[index], sizeof p->best.shape);
@@ -212,7 +214,8 @@ static void fixed_start(enc_fit_problem *p, int index) {
     p->best.diffuse = start_diffuse;
 }
 
-/* The best end from the fixed starts. Of many samples, a quarter decides which start goes on with all. */
+/* Finds the best end from the fixed starts. Where there are many samples, a quarter of them decides which
+ * start goes on with all. */
 static btf_result best_fixed_start(enc_fit_workspace *workspace, enc_fit_problem *p,
                                    const enc_fit_options *options, int starts, enc_fit_solution *out_best) {
     const enc_gram_samples full = p->samples;
@@ -235,8 +238,8 @@ static btf_result best_fixed_start(enc_fit_workspace *workspace, enc_fit_problem
     return result;
 }
 
-/* The caller's parameters in the scale of the search: one colour is moved so that the larger of rho_d and
- * the lobes is about 1, the way a fit leaves it. Lobes that are 0 stay so, or are revived in a fixed shape.
+/* Brings the caller's parameters to the scale of the search: with one colour, the larger of rho_d and the
+ * lobes becomes about 1, as a fit leaves it. Lobes that are 0 stay so, or are revived in a fixed shape.
  * Returns whether there were any. */
 static bool given_start(enc_fit_problem *p, const float *start, bool revive) {
     memset(&p->best, 0, sizeof p->best);
@@ -279,8 +282,8 @@ static bool given_start(enc_fit_problem *p, const float *start, bool revive) {
     return any_dead;
 }
 
-/* The end from the caller's start, if it is better than *best. A start with lobes of 0 counts as it is,
- * too: what becomes of them once revived need not be better. */
+/* Replaces *best by the end from the caller's start, if that is better. A start with lobes of 0 is also
+ * tried without reviving them, which may give the better end. */
 static btf_result descend_from(enc_fit_problem *p, const enc_fit_options *options, const float *start,
                                enc_fit_solution *best) {
     enc_fit_options only_look = *options;
@@ -309,7 +312,7 @@ static float storable(double value, bool *cut) {
     return (float)copysign(fmin(magnitude, 0x1p24), value);
 }
 
-/* One colour: max(C) = 1, its scale goes into rho_d and the lobes. */
+/* Stores a solution of one colour: max(C) = 1, its scale goes into rho_d and the lobes. */
 static void store_one_colour(const enc_fit_problem *p, const enc_fit_solution *at, float *out, bool *cut) {
     const double largest = fmax(fmax(at->colour[0][0], at->colour[1][0]), at->colour[2][0]);
     const double factor = largest * p->scale;
@@ -337,7 +340,7 @@ static void store_one_colour(const enc_fit_problem *p, const enc_fit_solution *a
     }
 }
 
-/* RGB lobes. */
+/* Stores a solution of RGB lobes. */
 static void store_rgb(const enc_fit_problem *p, const enc_fit_solution *at, float *out, bool *cut) {
     for (int c = 0; c < 3; c++) {
         out[c] = storable(at->colour[c][0] * p->scale, cut);

@@ -28,17 +28,16 @@ typedef struct enc_fit_options {
     float t_error;       /* threshold_error of paper 2.1; default 0.3 */
     float t_btf;         /* threshold_BTF of paper 2.1, on linear luminance; default 0.3 */
     int starts;          /* starts of a texel's first fit, 1 .. ENC_FIT_MAX_STARTS; default 4 */
-    double tolerance;    /* stop after two steps that gain less than this part of the cost; default 1e-3 */
+    double tolerance;    /* stop after two steps that gain less than this share of the cost; default 1e-3 */
     int max_evaluations; /* passes over the samples from one start; default 60 */
 } enc_fit_options;
 
 /* The defaults above. */
 enc_fit_options enc_fit_options_default(void);
 
-/* Samples of one texel, planar. `product` is l * v by component. The model of a sample is
- * multiplier * colour model of sbrdf.h; multiplier holds m(l) and whatever else scales the sample (shadow,
- * gain). A weight of NULL counts as 1. Multipliers, targets and weights are finite
- * and >= 0. */
+/* Samples of one texel, planar. `product` is l * v by component. The model of a sample is multiplier *
+ * colour model of sbrdf.h; multiplier holds m(l) and whatever else scales the sample (shadow, gain). A
+ * weight of NULL counts as 1. Multipliers, targets and weights are finite and >= 0. */
 typedef struct enc_fit_samples {
     size_t n;
     const float *product[3];

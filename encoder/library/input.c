@@ -34,9 +34,9 @@ typedef struct image_set {
 struct btf_input {
     enc_read_options options;
     char *names, *layer; /* copies of the caller's strings */
-    image_set set;       /* source NULL: samples lie in `data` */
+    image_set set;       /* its source is NULL where samples lie in `data` */
     enc_data *data;
-    pthread_mutex_t lock; /* of what follows */
+    pthread_mutex_t lock; /* guards the members below */
     int kept_view;        /* whose images `kept` holds; -1: none */
     float *kept;          /* [light][texel][channel] */
 
@@ -53,7 +53,7 @@ static enc_context context_of(const btf_log *log, size_t memory) {
     return context;
 }
 
-/* Directions as the header gives them. */
+/* Copies directions to the form that the header gives them. */
 static btf_result copy_directions(const enc_direction *list, int count, float **out_xyz,
                                   double **out_angles) {
     *out_xyz = malloc(3 * (size_t)count * sizeof **out_xyz);
@@ -78,7 +78,7 @@ static btf_result take_directions(btf_input *input, const enc_direction *views, 
                             : result;
 }
 
-/* The names of a folder, and the size of its first image. */
+/* Reads the names of a folder, and the size of its first image. */
 static btf_result open_set(const enc_context *context, btf_input *input) {
     image_set *set = &input->set;
     void *file = NULL;
@@ -210,7 +210,7 @@ btf_result btf_input_get_info(const btf_input *input, btf_input_info *out_info) 
     return BTF_OK;
 }
 
-/* One image of a folder, converted as the reader of the encoder does it. */
+/* Reads one image of a folder and converts it as the encoder's reader does. */
 static btf_result read_image(const enc_context *context, const btf_input *input, int view, int light,
                              float *out_rgb) {
     const image_set *set = &input->set;
@@ -228,7 +228,8 @@ static btf_result read_image(const enc_context *context, const btf_input *input,
     return result == BTF_OK ? BTF_OK : enc_source_fail(context, set->source, item, result, message);
 }
 
-/* One image of samples: all those of a view are gathered together, and kept for the next call. */
+/* Gives one image out of the samples, of which it gathers all images of a view at once and keeps them for
+ * the next call. */
 static btf_result gather_image(const enc_context *context, btf_input *input, int view, int light,
                                float *out_rgb) {
     const size_t values = 3 * (size_t)input->width * (size_t)input->height;
@@ -290,6 +291,6 @@ btf_result btf_input_write_image(const char *path, int width, int height, const 
     if (!path || !rgb || width < 1 || height < 1 || width > ENC_MAX_SIDE || height > ENC_MAX_SIDE) {
         return BTF_ERROR_USAGE;
     }
-    output_leave_signals(); /* they are the caller's */
+    output_leave_signals(); /* the signals' handlers are the caller's */
     return exr_image_write(path, width, height, rgb, false, log ? *log : none);
 }

@@ -1,5 +1,5 @@
-/* The exact part of a row of pixels that a pixel of another row covers, for area filters. Both rows span
- * `from * to` parts.
+/* How much of each pixel of a row a pixel of another row covers, in whole numbers, for area filters. Both
+ * rows are as long as `from * to` parts, one of `from` pixels and one of `to`.
  *
  * SPDX-License-Identifier: MIT
  */

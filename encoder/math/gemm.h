@@ -23,7 +23,7 @@ typedef void (*enc_gemm_tile)(size_t k, const float *a, const float *b, float *t
 /* The fastest tile of this machine. */
 enc_gemm_tile enc_gemm_select(void);
 
-/* Panels that `rows` rows take, and the floats of all of them. */
+/* The number of panels that `rows` rows take, and of floats in them. */
 static inline size_t enc_gemm_panels(size_t rows, size_t width) {
     return (rows + width - 1) / width;
 }

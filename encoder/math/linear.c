@@ -35,7 +35,8 @@ ENC_CLONES double enc_dot(size_t n, const float *restrict a, const float *restri
     return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
 }
 
-/* Row j becomes that of the factor; rows j + 1 .. end - 1 lose its share. */
+/* One step of Cholesky's factorisation a = R^T R: row j becomes row j of R, and its products are taken off
+ * rows j + 1 .. end - 1. False where the pivot is not positive. */
 ENC_CLONES static bool eliminate(size_t n, double *a, size_t j, size_t end) {
     double *restrict row = a + j * n;
     if (!(row[j] > 0.0)) {
@@ -56,8 +57,8 @@ ENC_CLONES static bool eliminate(size_t n, double *a, size_t j, size_t end) {
     return true;
 }
 
-/* Four rows at a time, so that those below are read and written a quarter as often; each element loses its
- * products in the order of rows all the same. */
+/* Eliminates four rows at a time, so that those below are read and written a quarter as often. Each element
+ * still has its products taken off in the order of rows. */
 ENC_CLONES bool enc_cholesky(size_t n, double *a) {
     size_t j = 0;
     for (; j + 4 <= n; j += 4) {
@@ -132,6 +133,7 @@ bool enc_orthonormal_rows(size_t k, size_t row, const float *v, float *basis, fl
             before += mine[p] * mine[p];
         }
         memset(factors, 0, k * sizeof *factors);
+        /* a second pass takes off what rounding left of the others in the first: twice is enough (Parlett 1980) */
         for (int pass = 0; pass < 2; pass++) {
             for (size_t j = 0; j < i; j++) {
                 const double *other = q + j * row;

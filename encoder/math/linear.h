@@ -25,7 +25,7 @@ void enc_upper_solve(size_t n, const double *r, double *x, size_t columns);
 bool enc_orthonormal_rows(size_t k, size_t row, const float *v, float *basis, float *lower);
 
 /* Eigenvalues (descending) and eigenvectors (rows of `vectors`) of a symmetric matrix a [n][n], by
- * cyclic Jacobi; a is destroyed. */
+ * cyclic Jacobi rotations (Forsythe and Henrici 1960); a is destroyed. */
 void enc_eigen(size_t n, double *a, double *values, double *vectors);
 
 #endif

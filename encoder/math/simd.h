@@ -46,8 +46,8 @@ ENC_INLINE void enc_v16_select(const enc_i16 *mask, const enc_v16 *a, const enc_
     *out = (enc_v16)((*mask & (enc_i16)*a) | (~*mask & (enc_i16)*b));
 }
 
-/* -1 in the lanes where x < limit, else 0, by the sign of the difference (which IEEE gradual underflow
- * keeps right): GCC 12 takes comparisons of 64-byte vectors apart. */
+/* -1 in the lanes where x < limit, else 0, by the sign of x - limit, which gradual underflow keeps right:
+ * GCC 12 compiles a comparison of 64-byte vectors to one of single lanes. */
 ENC_INLINE void enc_v16_below(const enc_v16 *x, float limit, enc_i16 *out) {
     *out = (enc_i16)(*x - limit) >> 31;
 }

@@ -267,7 +267,7 @@ ENC_CLONES static void gram_tile(size_t count, size_t pitch, const float *a, con
     }
 }
 
-/* Rows first .. first + 3 against those before and among them. */
+/* Fills in the products of rows first .. first + 3 with the rows before them and with one another. */
 static void gram_rows(size_t n, size_t count, const float *x, size_t first, double *out) {
     for (size_t other = 0; other <= first; other += GRAM_SIDE) {
         double tile[GRAM_SIDE * GRAM_SIDE] = {0};

@@ -80,7 +80,7 @@ void enc_sample_decoder_destroy(enc_sample_decoder **decoder) {
     *decoder = NULL;
 }
 
-/* The cluster centre's radiance: out[channel * lights + light]. */
+/* Decodes the radiance of a cluster centre: out[channel * lights + light]. */
 static void decode_centre(const enc_solution *s, size_t centre, size_t lights, float *out) {
     const uint8_t *codes = s->centre_codes + 3 * centre * lights;
     for (size_t l = 0; l < lights; l++) {
@@ -91,8 +91,8 @@ static void decode_centre(const enc_solution *s, size_t centre, size_t lights, f
     }
 }
 
-/* gain * m * (SBRDF * shadow + residual) of source texel `t` seen from `view`; `factors` [channel][light]
- * is the residual of the other store, which has m in it, or NULL. */
+/* Decodes gain * m * (SBRDF * shadow + residual) of source texel `t` seen from `view`. `factors`
+ * [channel][light] is the residual where its store is factors, which has m in it; else NULL. */
 static void decode_source(const enc_sample_decoder *d, uint32_t effects, size_t t, size_t view, float gain,
                           const float *factors, float *out) {
     const enc_solution *s = d->solution;
@@ -155,7 +155,8 @@ static point point_at(const enc_solution *s, uint32_t effects, size_t view, size
     return p;
 }
 
-/* Texels first .. first + count - 1 of a view. `residual` is room for the profiles of `factors`, or NULL. */
+/* Decodes texels first .. first + count - 1 of a view. `residual` has room for the profiles of `factors`,
+ * or is NULL. */
 static void decode_block(const enc_decoded_samples *decoded, size_t view, size_t first, size_t count,
                          enc_factor_profiles *factors, float *residual, float *profile, float *out) {
     const enc_sample_decoder *d = decoded->decoder;

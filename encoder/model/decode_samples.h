@@ -1,5 +1,5 @@
 /* Decoding a solution at its own sampled directions: FORMAT.md section 9 where every weight is 4096, a
- * light profile at a time. It measures and pictures what an encode gives; results agree with the reference
+ * light profile at a time. Encodes are measured and pictured with it. Results agree with the reference
  * decoder up to float rounding (tested), and are not normative.
  *
  * SPDX-License-Identifier: MIT

@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-/* Texels are the outer loop: the lights of a view share the levels of a texel's codes. */
+/* Goes through all lights of a texel before the next texel, since they share the levels of its codes. */
 static btf_result view_images(const void *user, int view, float *out) {
     const enc_evaluated_images *images = user;
     const enc_data *shape = images->shape;

@@ -34,7 +34,7 @@ struct enc_evaluated_texel {
     const enc_evaluator *evaluator;
     uint32_t column, row;
     size_t source[SOURCES]; /* texels whose levels are known */
-    size_t sources, oldest; /* how many; the one that makes room */
+    size_t sources, oldest; /* how many there are; which one the next replaces */
     int16_t *u;             /* [SOURCES][component] */
     int32_t *scratch;       /* [component] */
 };
@@ -77,7 +77,7 @@ btf_result enc_evaluator_create(const enc_context *context, const btf_material *
     }
     btf_result result = btf_material_get_info(material, &info);
     reference_view(material, level, &e->reference);
-    if (level >= info.relief_end) { /* so that it is not asked for, which would be slow */
+    if (level >= info.relief_end) { /* relief ends before this level, which the fast path can then decode */
         e->reference.effects &= ~(uint32_t)BTF_EFFECT_RELIEF;
     }
     e->level = (int32_t)level;
@@ -190,7 +190,7 @@ void enc_evaluated_texel_destroy(enc_evaluated_texel **texel) {
     *texel = NULL;
 }
 
-/* Levels of u of a texel, [component]. */
+/* Finds the levels of u of a texel, [component], among those kept or from its codes. */
 static const int16_t *levels_of(enc_evaluated_texel *t, size_t source) {
     const enc_evaluator *e = t->evaluator;
     for (size_t i = 0; i < t->sources; i++) {
@@ -277,7 +277,7 @@ ENC_CLONES static int32_t sum(size_t count, const int32_t *values) {
     return total;
 }
 
-/* p_ch of the tier, with one unit more. */
+/* Adds one unit to p, the sums of its tier: p_ch of FORMAT.md section 9. */
 static void add_unit(const enc_factor_unit *unit, const float scales[ENC_STORE_WORDS],
                      const int32_t *products, float p[3]) {
     const float step = ldexpf(1.0f, unit->shift - 12);
@@ -294,7 +294,7 @@ static void add_unit(const enc_factor_unit *unit, const float scales[ENC_STORE_W
     }
 }
 
-/* Sums in three channels, and those of the tier at hand. */
+/* Sums in three channels: over the tiers done, and over the units of the present one. */
 typedef struct sums {
     float done[3], tier[3];
 } sums;
@@ -306,7 +306,8 @@ static void finish_tier(sums *s, const float *views, int tier) {
     }
 }
 
-/* r of the first `last` tiers, the last of them at hand. */
+/* r of FORMAT.md section 9: the residual in R, G, B from all units summed so far; `tier` is the present
+ * one. */
 static void residual_of(const sums *s, const float *views, int tier, float r[3]) {
     sums copy = *s;
     finish_tier(&copy, views, tier);
@@ -321,7 +322,7 @@ static void add_view(const enc_evaluator *e, const float r[3], float m, float ga
                      float acc[3]) {
     for (int c = 0; c < 3; c++) {
         float y = r[c] * m;
-        y = y * gain; /* by 1, which changes nothing, without gain */
+        y = y * gain; /* without the effect, by 1, which changes nothing */
         if (e->roots) {
             y = fminf(fmaxf(y, -0x1p32f), 0x1p32f);
         } else {
@@ -344,7 +345,7 @@ static lit lights_of(const enc_evaluator *e, uint32_t view, const btf_ref_neighb
     return out;
 }
 
-/* One view: acc[i] of the first components[i] units. */
+/* Adds one view to each acc[i], decoded with the first components[i] units alone. */
 static void evaluate_view(enc_evaluated_texel *t, uint32_t effects, uint32_t view, uint32_t weight,
                           const btf_ref_neighbours *lights, float m, const uint32_t *components,
                           size_t count, float acc[][3]) {
@@ -358,7 +359,7 @@ static void evaluate_view(enc_evaluated_texel *t, uint32_t effects, uint32_t vie
     weigh(last->first + ENC_STORE_WORDS * (size_t)last->word, u, &of_view, t->scratch);
     sums s = {{0}, {0}};
     int tier = 0;
-    size_t next = count; /* the smallest count that is still to come is at next - 1 */
+    size_t next = count; /* counts fall, so that the next to be reached is at next - 1 */
     for (size_t i = 0; i < most; i++) {
         for (; tier < e->units[i].tier; tier++) {
             finish_tier(&s, views, tier);
@@ -422,7 +423,7 @@ static bool acts_between(const enc_evaluator *e, const btf_ref_options *options,
                          const enc_evaluated_at *at) {
     const uint32_t acting = at->looked_up ? BETWEEN : BTF_EFFECT_RELIEF;
     const bool unordered =
-        at->apart && options->interpolation == BTF_REF_NEAREST; /* left to the reference */
+        at->apart && options->interpolation == BTF_REF_NEAREST; /* the reference decodes these */
     return unordered || (options->effects & e->reference.effects & acting && !view_is_sample(e, at));
 }
 

@@ -1,9 +1,9 @@
 /* A material decoded at any directions, as often as errors are measured: FORMAT.md section 9 to the bit.
  *
- * The reference decoder takes the codes of factors apart one by one. For materials that have nothing but
- * factors, shift and gain, sums over the levels of all codes are made here in long vectors, and the first
- * units of several counts come from one evaluation. The rest goes to the library's evaluator, and where
- * neighbours are given that no look-up would give, to the reference.
+ * The reference decoder takes the codes of factors apart one by one. Materials that have nothing but
+ * factors, shift and gain are decoded here with sums over the levels of all codes in long vectors, and one
+ * evaluation gives the radiance for several counts of units. Other materials go to the library's evaluator,
+ * or to the reference where the caller gives neighbours that no look-up would give.
  *
  * btf_evaluate_many cannot stand in for it: it looks its neighbours up itself, where measuring by a view or light that
  * is left out gives them, and lights of each view apart; it decodes one count of units, where the table of effect
@@ -31,21 +31,22 @@ void enc_evaluator_destroy(enc_evaluator **evaluator);
 
 const btf_ref_material *enc_evaluator_reference(const enc_evaluator *evaluator);
 
-/* Radiance where `evaluations` say, whose levels are not read, by the options; its bits are those of
- * btf_ref_evaluate(), or of btf_ref_evaluate_texel() where texels are given. */
+/* Decodes `evaluations` at the evaluator's level (their own levels are not read) by the options. The bits
+ * are those of btf_ref_evaluate(), or of btf_ref_evaluate_texel() where texels are given. */
 void enc_evaluator_many(const enc_evaluator *evaluator, const btf_ref_options *options,
                         const btf_evaluations *evaluations);
 
-/* A texel, and the levels of the codes of its sources, which evaluations share; one thread at a time. */
+/* A texel, and the levels of its sources' codes, which all evaluations of it share; for one thread at a
+ * time. */
 typedef struct enc_evaluated_texel enc_evaluated_texel;
 
 /* NULL when out of memory. */
 enc_evaluated_texel *enc_evaluated_texel_create(const enc_evaluator *evaluator, size_t texel);
-/* To another texel of the same level: levels that are known stay known. */
+/* Goes on to another texel of the same level; levels that were found stay. */
 void enc_evaluated_texel_move(enc_evaluated_texel *evaluated, size_t texel);
 void enc_evaluated_texel_destroy(enc_evaluated_texel **texel);
 
-/* Two directions, and their neighbours. */
+/* The light and the view to evaluate at, and their neighbours. */
 typedef struct enc_evaluated_at {
     const btf_ref_neighbours *lights, *views;
     const float *light, *view; /* [3] */
@@ -61,8 +62,8 @@ typedef struct enc_evaluated_neighbours {
 enc_evaluated_neighbours enc_evaluated_look_up(const enc_evaluator *evaluator, const float light[3],
                                                const float view[3]);
 
-/* Radiance with options.effects, options.interpolation, and each of components[0 .. count - 1], which fall;
- * options.components is not read. */
+/* Decodes the texel `count` times, with options.effects and options.interpolation: out[i] with the first
+ * components[i] components. The counts must fall; options.components is not read. */
 void enc_evaluate(enc_evaluated_texel *texel, const btf_ref_options *options, const enc_evaluated_at *at,
                   const uint32_t *components, size_t count, float out[][3]);
 

@@ -127,14 +127,14 @@ enc_factor_profiles *enc_factor_profiles_create(const enc_solution *solution, si
     return p;
 }
 
-/* Levels of u of one channel, a row a texel. */
+/* Copies the levels of u of one channel to `row`, as floats. */
 static void gather_channel(const enc_factor_profiles *p, const int16_t *levels, int channel, float *row) {
     for (size_t n = 0; n < p->count[channel]; n++) {
         row[n] = (float)levels[p->member[channel][n]];
     }
 }
 
-/* Y, C1 and C2 of a profile to R, G, B. */
+/* Turns Y, C1 and C2 of profile i into R, G, B. */
 static void to_rgb(const enc_factor_profiles *p, size_t i, float *out) {
     const size_t lights = p->lights, pitch = ENC_FACTOR_BLOCK * lights;
     const float *y = p->result + i * lights, *c1 = y + pitch, *c2 = c1 + pitch;

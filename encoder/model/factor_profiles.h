@@ -13,12 +13,13 @@ typedef struct enc_factor_profiles enc_factor_profiles;
 
 enum { ENC_FACTOR_BLOCK = 48 }; /* texels at a time, at most */
 
-/* Makes the profiles of the first `units` units (at least one), which point into the solution. NULL when out of memory. */
+/* Prepares the profiles of one view by the first `units` units (at least one); keeps pointers into the
+ * solution. NULL when out of memory. */
 enc_factor_profiles *enc_factor_profiles_create(const enc_solution *solution, size_t view, uint32_t units);
 void enc_factor_profiles_destroy(enc_factor_profiles **profiles);
 
-/* out[i][channel R, G, B][light] of texels sources[0 .. count - 1]: the residual of FORMAT.md section 9.
- * One thread at a time. */
+/* Decodes the residual (FORMAT.md section 9) of texels sources[0 .. count - 1]: out[i][R, G, B][light]. One
+ * thread at a time. */
 void enc_factor_profiles_get(enc_factor_profiles *profiles, const size_t *sources, size_t count,
                              float *out);
 

@@ -28,7 +28,7 @@ typedef struct enc_factor_class {
 
 extern const enc_factor_class enc_factor_classes[BTF_FACTOR_CLASSES];
 
-/* Codes as the textures hold them. All zeros: there are none. */
+/* The codes as the textures hold them. All zeros: there are none. */
 typedef struct enc_factor_store {
     uint32_t classes[BTF_FACTOR_CLASSES][3]; /* units, words of C1, words of C2 */
     uint32_t units, layers;                  /* n_w, n_u */
@@ -39,7 +39,7 @@ typedef struct enc_factor_store {
     float horizon_scale;                     /* 1 / l.z of the outermost light */
 } enc_factor_store;
 
-/* Where a unit's codes lie and what they mean. */
+/* Where the codes of a unit lie, and what they mean. */
 typedef struct enc_factor_unit {
     int class, tier, shift; /* shift: of the sum over a word or a whole unit before it becomes a float */
     bool mixed;             /* evaluated word by word */

@@ -10,11 +10,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* All arrays are [view][texel], texel = row * width + column, row 0 at the top.
- * A point x of view v that is not hidden shows the surface point that the top view shows at
- * x' = x + shift(x, v), wrapped over the tile: motionVector of the paper, in whole texels. Where hidden,
- * the shift is the best there was all the same (of the vote, later of the refinement's search), for
- * pictures and for files without hidden points. */
+/* All arrays are [view][texel], texel = row * width + column, row 0 at the top. A point x of view v that is
+ * not hidden shows the surface point that the top view shows at x' = x + shift(x, v), wrapped over the
+ * tile: motionVector of the paper, in whole texels. A hidden point keeps the best shift that was found (by
+ * the vote, later by the refinement's search), for pictures and for files without hidden points. */
 typedef struct enc_occlusion {
     int n_views;
     size_t n_texels;
@@ -25,11 +24,12 @@ typedef struct enc_occlusion {
     uint16_t *centre;      /* global index of its cluster centre; valid where hidden, else 0 */
 } enc_occlusion;
 
-/* Everything 0: no shift, nothing hidden. Errors: BTF_ERROR_USAGE (sizes), BTF_ERROR_MEMORY. */
+/* Makes one in which everything is 0: no shift, nothing hidden. Errors: BTF_ERROR_USAGE (sizes),
+ * BTF_ERROR_MEMORY. */
 btf_result enc_occlusion_create(int n_views, size_t n_texels, enc_occlusion **out_occlusion);
 void enc_occlusion_destroy(enc_occlusion **occlusion);
 
-/* Hidden points of one view, or of all views when view < 0. */
+/* Counts the hidden points of one view, or of all views when view < 0. */
 size_t enc_occlusion_hidden_count(const enc_occlusion *occlusion, int view);
 
 /* i modulo n, 0 .. n - 1 for negative i too. */

@@ -52,7 +52,7 @@ static btf_material_info describe(const enc_data *data, const enc_solution *s, c
     return info;
 }
 
-/* Section 4: the parameter blocks of enc_sbrdf spread over RGBA layers. */
+/* Spreads the parameter blocks of enc_sbrdf over RGBA layers (FORMAT.md section 4). */
 static void pack_sbrdf(const enc_sbrdf *sbrdf, bool half, void *out) {
     const size_t stride = enc_sbrdf_stride(sbrdf->lobes, sbrdf->rgb);
     for (size_t t = 0; t < sbrdf->n_texels; t++) {
@@ -90,8 +90,9 @@ static void point_bytes(const enc_solution *s, size_t at, uint8_t out[2]) {
     out[1] = (uint8_t)(p >> 8);
 }
 
-/* The lists of packed points, entries in the order in which rising views first name them, and the views' indices;
- * both zeroed before. False, with the texel, where a list has no room. */
+/* Fills in the lists of packed points, with entries in the order in which rising views first name them, and
+ * the views' indices; the caller zeroes both. Where a texel's list has no room, returns false and the
+ * texel. */
 static bool pack_point_lists(const enc_solution *s, uint8_t *lists, uint8_t *indices, size_t *out_texel) {
     const size_t texels = enc_solution_texels(s);
     for (size_t t = 0; t < texels; t++) {
@@ -230,16 +231,16 @@ static void fill(const btf_material_info *info, const enc_solution *s, btf_textu
         break;
     case BTF_TEXTURE_POINT_LISTS:
     case BTF_TEXTURE_POINT_INDICES:
-        break; /* made together, see pack_level */
+        break; /* pack_level makes both together */
     default:
         assert(!"internal error: direction tables are not packed here");
     }
 }
 
-/* The textures that one level has for itself; out [BTF_TEXTURE_COUNT] owns them. */
+/* Makes the textures that belong to one level alone; out [BTF_TEXTURE_COUNT] owns them. */
 static btf_result pack_level(const enc_context *context, const btf_material_info *info, uint32_t level,
                              const enc_solution *solution, void **out) {
-    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) { /* of tables that are made later the shape is none */
+    for (int id = 0; id < BTF_TEXTURE_COUNT; id++) { /* tables, which are made later, have no shape */
         const btf_texture shape = btf_material_level_shape(info, level, (btf_texture_id)id);
         if (shape.format == BTF_FORMAT_NONE) {
             continue;

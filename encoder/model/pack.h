@@ -28,13 +28,14 @@ typedef struct enc_pack_options {
     const uint16_t *preview; /* btf_material_desc.preview; NULL: none */
 } enc_pack_options;
 
-/* Lays the solution out in textures and makes the material. Directions come from `data`.
- * The atlas of layout `paper` has
- * room for all centres. Errors: BTF_ERROR_UNSUPPORTED (no legal atlas), BTF_ERROR_MEMORY. */
+/* Lays the solution out in textures and makes the material. Directions come from `data`. The atlas of
+ * layout `paper` is made large enough for all centres. Errors: BTF_ERROR_UNSUPPORTED (no legal atlas),
+ * BTF_ERROR_MEMORY. */
 btf_result enc_pack(const enc_context *context, const enc_data *data, const enc_solution *solution,
                     const enc_pack_options *options, btf_material **out_material);
 
-/* Centres that layout `paper` has room for with `hidden` present (paper: 1984 for 64x64 and 81 directions). */
+/* The number of centres that layout `paper` has room for with `hidden` present (paper: 1984 for 64x64 and
+ * 81 directions). */
 btf_result enc_pack_centre_room(const enc_context *context, int width, int height, int n_views,
                                 int n_lights, uint32_t *out_room);
 

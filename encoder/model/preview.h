@@ -7,8 +7,9 @@
 
 #include "solution.h"
 
-/* The solution from its view nearest to the pole under the light nearest to 45 degrees, the first of
- * equals: btf_material_desc.preview, to be freed. Errors: BTF_ERROR_MEMORY. */
+/* Draws the solution from the view nearest to the pole, under the light nearest to 45 degrees (the first of
+ * equals): *out_preview is for btf_material_desc.preview, and the caller frees it. Errors:
+ * BTF_ERROR_MEMORY. */
 btf_result enc_preview(const enc_context *context, const enc_data *data, const enc_solution *solution,
                        uint16_t **out_preview);
 

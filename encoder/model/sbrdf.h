@@ -42,8 +42,8 @@ static inline size_t enc_sbrdf_texture_index(const enc_sbrdf *sbrdf, size_t texe
 btf_result enc_sbrdf_create(size_t n_texels, int lobes, bool rgb, enc_sbrdf **out_sbrdf);
 void enc_sbrdf_destroy(enc_sbrdf **sbrdf);
 
-/* The model of one texel under `n` lights (xyz) from one view, planar:
- * out[channel * n + i], without the multiplier m(l). Vectorised, float. */
+/* Evaluates one texel under `n` lights (xyz) from one view: out[channel * n + i], without the multiplier
+ * m(l). In vectors of floats. */
 void enc_sbrdf_evaluate(const enc_sbrdf *sbrdf, size_t texel, const float view[3], int n,
                         const float *light_x, const float *light_y, const float *light_z, float *out);
 

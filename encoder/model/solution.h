@@ -34,7 +34,7 @@ typedef struct enc_solution {
     float radiance_scale;
 
     enc_sbrdf *sbrdf;     /* NULL: colour `none` */
-    bool half_parameters; /* they are halves already: stored so without loss */
+    bool half_parameters; /* the parameters are halves already, and can be stored so without loss */
 
     uint8_t *shadow; /* [light][texel] */
     float shadow_scale;
@@ -60,7 +60,7 @@ typedef struct enc_solution {
     uint32_t n_components;
     enc_factor_store factors; /* the residual in the other store; n_components is 0 then */
     btf_blend blend;
-    enc_relief_store relief; /* of a level: heights of its own, all else that of level 0 */
+    enc_relief_store relief; /* a level has heights of its own and shares all else with level 0 */
 } enc_solution;
 
 static inline size_t enc_solution_texels(const enc_solution *s) {
@@ -83,13 +83,13 @@ static inline uint32_t enc_solution_components(const enc_solution *s) {
 void enc_solution_clear(enc_solution *solution);
 
 /* Levels of detail have maps of texels of their own and share centre_codes, residual_directions,
- * residual_scales, factors but for their texels, and every scale with level 0. An empty one of `base`, with
- * pointers to what is shared: */
+ * residual_scales, factors but for their texels, and every scale with level 0. Returns an empty level of
+ * `base`, with pointers to what is shared. */
 enc_solution enc_level_of(const enc_solution *base, int width, int height);
 /* Frees the arrays that belong to the level alone. */
 void enc_level_clear(enc_solution *level);
 
-/* The levels 1 .. count - 1 that belong to a level 0. Zeros are no levels. */
+/* The levels 1 .. count - 1 that belong to a level 0. All zeros: there are none. */
 typedef struct enc_levels {
     int count;           /* level 0 included */
     enc_solution *level; /* [count - 1]: level i at i - 1; shared maps point into level 0's */

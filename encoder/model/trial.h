@@ -21,13 +21,13 @@ typedef struct enc_trial {
 } enc_trial;
 
 /* Why a method did not fill its budget: more bytes gain too little at samples that were left out of the
- * fit. All 0 where nobody asked. */
+ * fit. All 0 where the tolerance is 0, which fills the budget. */
 typedef struct enc_unspent {
     uint64_t budget, bytes; /* bytes that were allowed, and bytes that pay */
     double more, tolerance; /* `more` times the bytes would have to gain `tolerance` dB */
-    double gain;            /* dB that the whole budget is foretold to gain over `bytes` */
+    double gain;            /* dB that the whole budget is predicted to gain over `bytes` */
     uint64_t signal[3];     /* components of Y, C1 and C2 that are signal */
-    bool ends[3];           /* those beyond are noise; else there may be more signal */
+    bool ends[3];           /* components beyond `signal` are noise; else more of them may be signal */
 } enc_unspent;
 
 enum { ENC_MAX_TRIALS = 32 };

@@ -32,7 +32,7 @@ static void unpack_sbrdf(const btf_material_info *info, const void *texture, enc
     }
 }
 
-/* Gain code and shift bytes of one (view, texel) into the solution's maps. */
+/* Writes the gain code and the shift bytes of one point to the solution's maps. */
 static void unpack_point(enc_solution *s, size_t at, uint8_t code, const uint8_t bytes[2]) {
     s->gain[at] = code;
     if ((s->effects & BTF_EFFECT_HIDDEN) && code == 0) {
@@ -77,7 +77,7 @@ static const uint8_t *listed_point(const uint8_t *lists, const uint8_t *indices,
     return lists + 2 * (entry * texels + texel);
 }
 
-/* The maps of texels of one level in layout `tight`. */
+/* Unpacks the maps of texels of one level in layout `tight`. */
 static void unpack_tight(const btf_material *material, uint32_t level, enc_solution *s) {
     const size_t texels = enc_solution_texels(s), points = (size_t)s->n_views * texels;
     const uint8_t *shadow = btf_material_level_texture(material, level, BTF_TEXTURE_SHADOW).data;
@@ -148,7 +148,7 @@ static bool copy_texture(const btf_material *material, uint32_t level, btf_textu
     return *out;
 }
 
-/* Heights of a level, where the material has them. */
+/* Unpacks the heights of a level, where the material has them. */
 static bool unpack_heights(const btf_material *material, uint32_t level, enc_solution *s) {
     void *heights = NULL;
     const bool ok = !btf_material_level_texture(material, level, BTF_TEXTURE_HEIGHTS).data ||
@@ -182,7 +182,7 @@ static bool unpack_factor_texels(const btf_material *material, uint32_t level, e
     return ok;
 }
 
-/* Factors of level 0. */
+/* Unpacks the factors of level 0. */
 static bool unpack_factors(const btf_material *material, const btf_material_info *info, enc_solution *s) {
     void *directions, *scales, *views;
     s->factors = (enc_factor_store){.units = info->components,
@@ -198,7 +198,7 @@ static bool unpack_factors(const btf_material *material, const btf_material_info
     return unpack_factor_texels(material, 0, s) && ok;
 }
 
-/* Room for the maps of texels. */
+/* Makes room for the maps of texels. */
 static bool allocate_texels(const btf_material_info *info, enc_solution *s) {
     const size_t texels = enc_solution_texels(s), points = texels * info->n_views;
     bool ok =
@@ -267,7 +267,7 @@ btf_result enc_unpack(const enc_context *context, const btf_material *material, 
         unpack_centres(material, s);
     } else if (btf_material_texture(material, BTF_TEXTURE_MAPS).data) {
         unpack_maps(&info, btf_material_texture(material, BTF_TEXTURE_MAPS).data, s);
-    } else {
+    } else { /* without maps no point is hidden */
         memset(s->gain, BTF_GAIN_ONE, enc_solution_texels(s) * info.n_views);
     }
     if (s->n_components > 0) {

@@ -43,9 +43,9 @@ static size_t up(size_t n) {
     return (n + 15) / 16 * 16;
 }
 
-static const float least_weight = 0.01f; /* of a view where views are shifted */
+static const float least_weight = 0.01f; /* where views are shifted, one that weighs less is left out */
 
-/* out [n] += weight times the values of a view, roots or radiance, fetched around a place. */
+/* Adds to out [n] the values of a view, roots or radiance, fetched around a place, times `weight`. */
 static void add_view(const pass *p, size_t view, const enc_warp_fetch *f, float weight, float *out) {
     const size_t n = 3 * (size_t)p->from->n_lights, views = (size_t)p->from->n_views;
     for (int c = 0; c < 4; c++) {
@@ -56,7 +56,8 @@ static void add_view(const pass *p, size_t view, const enc_warp_fetch *f, float 
     }
 }
 
-/* The node of view a at a texel, from views shifted along the surface. own: the values of view a there. */
+/* Fits the values of node a at a texel from views that are shifted along the surface. own: the samples of
+ * view a there. */
 static void shift_row(const pass *p, size_t texel, size_t a, const float *own, float *out) {
     const size_t n = 3 * (size_t)p->from->n_lights, views = (size_t)p->from->n_views;
     const enc_warp *w = p->relief->surface;
@@ -87,7 +88,8 @@ static void shift_row(const pass *p, size_t texel, size_t a, const float *own, f
     }
 }
 
-/* The views' part, in place: values [view][channel][light]. shifted: room for as many. */
+/* Multiplies values [view][channel][light] by the weights of the views, in place. shifted: room for as many
+ * values. */
 static void apply_views(const pass *p, size_t texel, float *values, float *right, float *shifted) {
     const size_t views = (size_t)p->from->n_views, n = 3 * (size_t)p->from->n_lights;
     enc_gemm_pack_columns(n, views, values, n, ENC_GEMM_N, right);
@@ -114,7 +116,7 @@ static btf_result apply_texel(const pass *p, size_t texel, float *work) {
         return result;
     }
     to_blended(stride, samples, p->tables->roots, values);
-    if (p->relief) { /* another order of the same products, since the samples that are fetched are not fitted */
+    if (p->relief) { /* views first, since the samples that are fetched from other texels are not fitted */
         apply_views(p, texel, values, right, half);
     }
     enc_gemm_pack_rows(3 * views, lights, values, lights, ENC_GEMM_M, left);
@@ -167,7 +169,7 @@ static btf_result fill(pass *p) {
     return result;
 }
 
-/* The allowed memory less the samples that lie in it. */
+/* The context with the memory that the samples of `data` leave of the allowed one. */
 static enc_context beside(const enc_context *context, const enc_data *data) {
     const size_t held =
         data->samples ? enc_data_texel_count(data) * enc_data_texel_stride(data) * sizeof(float) : 0;

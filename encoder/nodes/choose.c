@@ -17,7 +17,8 @@
 
 enum {
     DRAWN = 12,      /* views, and as many lights, drawn for a texel and a place: all their pairs are judged */
-    ACCUMULATED = 3, /* sums: barycentric and fitted error, and the square of the move */
+    ACCUMULATED = 3, /* sums of squares: the errors of the barycentric and of the fitted blend, and the fit's
+                        move */
 };
 
 /* Strengths for views and lights, rising. Lights take stronger fits than views, since shading changes
@@ -43,7 +44,7 @@ typedef struct job {
     int strength[ENC_FIT_CANDIDATES][2]; /* of views, of lights */
 } job;
 
-/* Radiance, clipped, of a blended value: a root or radiance. */
+/* The radiance, clipped to [0, 1], that a blended value stands for: a root or radiance itself. */
 static float shown(const job *j, float x) {
     const float positive = x > 0 ? x : 0.0f, value = j->roots ? positive * positive : positive;
     return value < 1 ? value : 1.0f;
@@ -93,7 +94,8 @@ static float weigh_lights(size_t n, const float *weight, const float *values) {
     return sum;
 }
 
-/* The directions of a place that a texel looks at: count of them, evenly, others for each texel. */
+/* Draws the directions of a place at which a texel is judged: spread evenly, and others for each texel.
+ * Returns their number. */
 static int draw(const enc_node_rows *rows, int place, size_t index, int out[DRAWN]) {
     const int all = rows->count[place], count = all < DRAWN ? all : DRAWN;
     for (int i = 0; i < count; i++) {
@@ -106,12 +108,12 @@ static const float *row(const enc_node_rows *rows, int strength, int place, int 
     return rows->weight[strength][place] + (size_t)at * (size_t)rows->n;
 }
 
-/* Floats of the work of judge_place. */
+/* The number of floats that judge_place works in. */
 static size_t work_floats(const enc_data *data) {
     return (size_t)ENC_STRENGTHS * DRAWN * 3 * (size_t)data->n_lights;
 }
 
-/* All pairs of drawn views and lights at one place. values: [view][channel][light]. */
+/* Adds the errors of all pairs of drawn views and lights at one place. values: [view][channel][light]. */
 static void judge_place(const job *j, int place, size_t index, const float *values, float *work,
                         texel_sums *out) {
     const size_t lights = (size_t)j->lights.n, columns = 3 * lights;
@@ -145,7 +147,7 @@ static void judge_place(const job *j, int place, size_t index, const float *valu
     }
 }
 
-/* Texel number `index` of those that are drawn. */
+/* Judges texel number `index` of those that are drawn. */
 static btf_result judge_texel(const job *j, size_t index, size_t texels, texel_sums *out) {
     const size_t stride = enc_data_texel_stride(j->data), count = enc_data_texel_count(j->data);
     const size_t texel = (2 * index + 1) * count / (2 * texels);
@@ -176,7 +178,7 @@ static double pairs_of(const job *j, int place) {
     return 3.0 * draw(&j->views, place, 0, unused) * draw(&j->lights, place, 0, unused);
 }
 
-/* Means of one of the two codings. */
+/* Means over all texels and pairs in one of the two codings, linear or sRGB. */
 static enc_fit_moved moved_of(const double left[ACCUMULATED], const double between[ACCUMULATED],
                               double pairs_left, double pairs_between) {
     return (enc_fit_moved){.error = left[0] / pairs_left,
@@ -250,7 +252,8 @@ static btf_result judge(const job *j, enc_fit_choice *choice) {
     return result;
 }
 
-/* The steps of a ladder that exist for these directions: a list without a fit stays barycentric. */
+/* Finds the steps of the ladder that exist for these directions; a list (views or lights) that has no fit
+ * stays barycentric. */
 static void set_up(job *j) {
     const bool views = j->views.usable[1], lights = j->lights.usable[1];
     for (int k = 1; k < ENC_FIT_CANDIDATES; k++) {

@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-/* L U of a matrix, with exchanges of rows. */
+/* The LU decomposition of a matrix, with row exchanges. */
 typedef struct enc_solver enc_solver;
 
 /* `matrix` is row-major, [n][n], n >= 1, finite. NULL: out of memory. */

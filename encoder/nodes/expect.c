@@ -34,8 +34,8 @@ static double followed(const enc_fit_moved *m) {
     return m->move > 0 && m->error > 0 && p > 0 ? fmin(1, p * p / (m->move * m->error)) : 0;
 }
 
-/* The squared error of the blend between the samples, given that with samples left out; the strongest fit follows the share
- * `smooth` of it. */
+/* The squared error of the blend between the samples, given that with samples left out; the strongest fit
+ * follows the share `smooth` of it. */
 static double error_between(double left_out, double smooth) {
     return left_out * (smooth * smooth_share + (1 - smooth) * rough_share);
 }

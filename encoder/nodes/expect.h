@@ -42,7 +42,7 @@ typedef struct enc_fit_choice {
     size_t texels;       /* that were drawn */
 } enc_fit_choice;
 
-/* Means of squares for a candidate, in one of the two codings. */
+/* Means of squares for a candidate in one of the two codings, linear or sRGB. */
 typedef struct enc_fit_moved {
     double error, fitted; /* with samples left out: of the barycentric blend, of the fit */
     double move, moves;   /* of the fit's move: with samples left out, between the samples */
@@ -61,8 +61,7 @@ bool enc_fit_allowed(const enc_fit_choice *choice, const enc_fit_candidate *cand
  * sRGB-coded, that it loses at them beside choice->coder. */
 double enc_fit_value(const enc_fit_choice *choice, const enc_fit_candidate *candidate);
 
-/* The error that is expected of a candidate when a coder of error `coder` at the samples has coded it.
- */
+/* The error that is expected of a candidate when a coder of error `coder` at the samples has coded it. */
 enc_fit_error enc_fit_coded_at(const enc_fit_candidate *candidate, enc_fit_error coder);
 enc_fit_error enc_fit_coded_between(const enc_fit_candidate *candidate, enc_fit_error coder);
 

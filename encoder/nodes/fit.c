@@ -26,8 +26,8 @@ struct enc_node_fit {
     double *target; /* B^T R, [count][count], of their spline weights R */
 };
 
-/* Point k of n that spread evenly over the cap about the pole down to z: a spiral that turns by the golden angle (Swinbank
- * and Purser 2006). */
+/* Point k of n that spread evenly over the cap about the pole down to z: a spiral that turns by the golden
+ * angle (Swinbank and Purser 2006). */
 static void cap_point(int k, int n, double z, float out[3]) {
     static const double turn = 2.39996322972865332; /* the golden angle */
     const double height = 1 - (k + 0.5) / n * (1 - z), radius = sqrt(fmax(0, 1 - height * height));
@@ -66,7 +66,7 @@ static void add_point(enc_node_fit *f, const enc_spline *spline, const enc_weigh
     }
 }
 
-/* The points of a cap of `n` that the hull holds: how many. points: NULL, or their place. */
+/* Counts the points of a cap of `n` that lie in the hull, and writes them to `points` unless it is NULL. */
 static int points_inside(const enc_direction *directions, const enc_interpolator *blend, int n, double z,
                          float (*points)[3]) {
     int found = 0;
@@ -95,7 +95,7 @@ static btf_result find_points(const enc_direction *directions, const enc_interpo
     if (first == 0) {
         return BTF_ERROR_UNSUPPORTED;
     }
-    /* a hull that is a small part of the cap takes more */
+    /* where the hull is a small part of the cap, more points are made */
     const double more = fmin(64, (double)wanted / first);
     const int n = (int)(wanted * more);
     f->point = malloc((size_t)n * sizeof *f->point);
@@ -106,7 +106,7 @@ static btf_result find_points(const enc_direction *directions, const enc_interpo
     return f->points > f->count ? BTF_OK : BTF_ERROR_UNSUPPORTED;
 }
 
-/* Rows of bases become rows of spline weights. */
+/* Turns rows of bases into rows of spline weights: B^T R. */
 static btf_result solve_target(const enc_spline *spline, const double *bases, enc_node_fit *f) {
     const size_t n = (size_t)f->count, length = n + 3;
     double *columns = malloc(length * n * sizeof *columns);
@@ -188,7 +188,7 @@ static double weight_of_nodes(const enc_node_fit *f, double kappa) {
     return (least_kappa + kappa) * f->points / f->count;
 }
 
-/* B^T B + l, positive definite for the l. NULL: out of memory. */
+/* Decomposes B^T B + l, which l makes positive definite. NULL: out of memory. */
 static enc_solver *normal_equations(const enc_node_fit *f, double l) {
     const size_t n = (size_t)f->count;
     double *matrix = malloc(n * n * sizeof *matrix);
@@ -204,7 +204,8 @@ static enc_solver *normal_equations(const enc_node_fit *f, double l) {
     return solver;
 }
 
-/* To float, unless one row's weights are large. */
+/* Rounds one row of weights to float. BTF_ERROR_UNSUPPORTED: they are larger than ENC_FIT_MOST_GAIN
+ * allows. */
 static btf_result deliver(const double *row, size_t n, float *out) {
     double gain = 0;
     for (size_t k = 0; k < n; k++) {
@@ -222,7 +223,7 @@ btf_result enc_node_fit_weights(const enc_node_fit *f, double kappa, float *out)
     btf_result result = solver && w ? BTF_OK : BTF_ERROR_MEMORY;
     if (result == BTF_OK) {
         memcpy(w, f->target, n * n * sizeof *w);
-        for (size_t i = 0; i < n; i++) { /* at the nodes the spline is the samples */
+        for (size_t i = 0; i < n; i++) { /* at the nodes the spline equals the samples */
             w[i * n + i] += l;
         }
         enc_solver_solve(solver, n, w, w);
@@ -235,7 +236,8 @@ btf_result enc_node_fit_weights(const enc_node_fit *f, double kappa, float *out)
     return result;
 }
 
-/* Blends by the adjoint, which needs no W: b^T W = y^T (B^T R + l) with (B^T B + l) y = b. */
+/* Finds the blends by the adjoint system, which needs no W: b^T W = y^T (B^T R + l) with (B^T B + l) y =
+ * b. */
 btf_result enc_node_fit_blend(const enc_node_fit *f, double kappa, size_t n_at, const enc_weights *at,
                               float *out) {
     const size_t n = (size_t)f->count;

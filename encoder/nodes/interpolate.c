@@ -92,7 +92,7 @@ btf_result enc_interpolator_create(const enc_context *context, const char *name,
     }
     if (result == BTF_OK && !is_spline(kind)) {
         result = make_tables(context, directions, count, made);
-    } else if (result == BTF_OK && count > 1) { /* of a single sample, the weight is 1 */
+    } else if (result == BTF_OK && count > 1) { /* a single sample weighs 1 */
         result = make_spline(context, name, directions, made);
     }
     if (result != BTF_OK) {
@@ -151,7 +151,7 @@ void enc_interpolator_weights(const enc_interpolator *interpolator, const float 
 }
 
 double enc_nearest_angle(const enc_direction *directions, int count, const float to[3]) {
-    double least = HUGE_VAL; /* of the chord, which small angles do not lose their digits in */
+    double least = HUGE_VAL; /* squared chord: an arc cosine would lose the digits of small angles */
     for (int i = 0; i < count; i++) {
         double square = 0;
         for (int axis = 0; axis < 3; axis++) {

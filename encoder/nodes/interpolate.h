@@ -23,15 +23,15 @@ typedef struct enc_weights {
 
 typedef struct enc_interpolator enc_interpolator;
 
-/* For count directions, 1 to ENC_MAX_DIRECTIONS, distinct; `name` ("views", "lights") is for messages.
- * Errors, on the log: BTF_ERROR_UNSUPPORTED (a spline through two, or through directions
- * that lie in one line of the plane), those of btf_material_create, BTF_ERROR_MEMORY. */
+/* Makes an interpolator for `count` distinct directions, 1 to ENC_MAX_DIRECTIONS; messages call them by
+ * `name` ("views", "lights"). Errors, on the log: BTF_ERROR_UNSUPPORTED (a spline through two, or through
+ * directions that lie in one line of the plane), those of btf_material_create, BTF_ERROR_MEMORY. */
 btf_result enc_interpolator_create(const enc_context *context, const char *name,
                                    const enc_direction *directions, int count, enc_interpolation kind,
                                    enc_interpolator **out_interpolator);
 void enc_interpolator_destroy(enc_interpolator **interpolator);
 
-/* Thread-safe. `to` is a unit vector above the horizon. */
+/* Finds the weights in direction `to`, a unit vector above the horizon. Thread-safe. */
 void enc_interpolator_weights(const enc_interpolator *interpolator, const float to[3],
                               enc_weights *out_weights);
 

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether the point that the weights stand for, in the stereographic plane, is near enough to direction i.
- */
+/* Whether the point that the weights stand for, in the stereographic plane, is near enough to direction
+ * i. */
 static bool reaches(const enc_direction *directions, int count, int i, const enc_weights *w) {
     double own[2], other[2], found[2] = {0, 0}, least = HUGE_VAL;
     enc_stereographic(directions[i].xyz, own);
@@ -30,7 +30,7 @@ static bool reaches(const enc_direction *directions, int count, int i, const enc
     return hypot(found[0] - own[0], found[1] - own[1]) < least / 2;
 }
 
-/* Weights are whole 4096ths: as the decoder has them. */
+/* Weights that interpolation has as floats become 4096ths, as the decoder has them. */
 static btf_ref_neighbours to_neighbours(const enc_weights *w) {
     btf_ref_neighbours near = {.index = {0}, .weight = {0}};
     for (int k = 0; k < 3; k++) {
@@ -40,7 +40,7 @@ static btf_ref_neighbours to_neighbours(const enc_weights *w) {
     return near;
 }
 
-/* The weights of the others in direction i. */
+/* Finds the weights of the other directions in direction i. */
 static btf_result without(const enc_context *context, const enc_direction *directions, int count, int i,
                           enc_weights *out) {
     enc_direction others[ENC_MAX_DIRECTIONS];

@@ -1,5 +1,5 @@
-/* Each direction of a list seen by the others: the decoder's triangles and weights, as they would be had it
- * not been sampled.
+/* Each direction of a list seen from the others: the neighbours and weights that a decoder would find for
+ * it if it had not been sampled.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -12,7 +12,8 @@
 
 const double enc_strength_kappa[ENC_STRENGTHS] = {INFINITY, 30, 10, 3, 1, 0.3, 0.1, 0};
 
-enum { LEFT_OUT_POINTS = 1000 }; /* of a fit of the others: made many times, judged once each */
+enum { LEFT_OUT_POINTS = 1000 }; /* fewer for a fit of the others, of which many are made and each is judged
+                                    once */
 
 static float *row_of(const enc_node_rows *r, int strength, int place, int i) {
     return r->weight[strength][place] + (size_t)i * (size_t)r->n;
@@ -49,8 +50,8 @@ static void spread(const enc_weights *w, float *row) {
     }
 }
 
-/* Weights of the other samples in the direction of sample i, for every strength: rows[strength][n];
- * usable[strength]. */
+/* Finds the weights of the other samples in the direction of sample i, for every strength:
+ * rows[strength][n]. usable[strength]: whether there is such a fit. */
 static btf_result leave(const enc_context *context, const enc_direction *directions, int n, int i,
                         const btf_ref_neighbours *near, float *rows, bool usable[ENC_STRENGTHS]) {
     enc_direction others[ENC_MAX_DIRECTIONS];
@@ -80,7 +81,7 @@ static btf_result leave(const enc_context *context, const enc_direction *directi
     return result;
 }
 
-/* Evenly chosen samples of those that can be left out. */
+/* Makes the weights in the directions of samples that can be left out, evenly chosen. */
 static btf_result make_left_out(const enc_context *context, const enc_direction *directions,
                                 const enc_left_out *left, enc_node_rows *r) {
     const size_t n = (size_t)r->n, count = (size_t)r->count[ENC_ROWS_LEFT_OUT];
@@ -112,7 +113,8 @@ static btf_result make_left_out(const enc_context *context, const enc_direction 
     return result;
 }
 
-/* Directions of the hull, evenly chosen; the nodes themselves where there is no fit. */
+/* Makes the weights in directions of the hull, evenly chosen; in those of the nodes where there is no
+ * fit. */
 static btf_result make_between(const enc_context *context, const enc_direction *directions,
                                const enc_node_fit *fit, enc_node_rows *r) {
     const float(*points)[3];

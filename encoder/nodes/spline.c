@@ -52,7 +52,7 @@ static void basis_at(const enc_spline *s, const double at[2], double *out) {
     out[s->count + 2] = at[1];
 }
 
-/* Places in a plane of which the samples fill the unit disc about the origin. */
+/* Moves and scales the plane so that the samples fill the unit disc about its origin. */
 static void settle(enc_spline *s, const enc_direction *directions) {
     double farthest = 0;
     s->scale = 1;

@@ -17,16 +17,17 @@ enum { ENC_SPLINE_MOST = ENC_MAX_DIRECTIONS + 3 }; /* numbers of a basis, at mos
 
 typedef struct enc_spline enc_spline;
 
-/* Stereographic projection, not quantised. */
+/* Projects a direction stereographically, without rounding to the decoder's steps. */
 void enc_stereographic(const float xyz[3], double out[2]);
 
-/* For count directions, distinct. Errors, not logged: BTF_ERROR_UNSUPPORTED (fewer than three, or nearly in
- * one line of the plane, or nearly the same: the system is singular), BTF_ERROR_MEMORY. */
+/* Makes the spline through `count` distinct directions. Errors, not logged: BTF_ERROR_UNSUPPORTED (fewer
+ * than three, or nearly in one line of the plane, or nearly the same: the system is singular),
+ * BTF_ERROR_MEMORY. */
 btf_result enc_spline_create(const enc_direction *directions, int count, enc_kernel kernel,
                              enc_spline **out_spline);
 void enc_spline_destroy(enc_spline **spline);
 
-/* The functions that the spline is a sum of, in direction `to`: out [count + 3]. */
+/* Evaluates the functions of which the spline is a weighted sum in direction `to`: out [count + 3]. */
 void enc_spline_basis(const enc_spline *spline, const float to[3], double *out);
 
 /* Turns sums of bases into weights of the samples: columns of [count + 3][columns], in place. Of the result

@@ -12,8 +12,8 @@
 #include "encoder/data/data.h"
 
 enum {
-    ENC_WARP_ONE = 256,     /* a texel, as positions and heights count */
-    ENC_WARP_WEIGHT = 4096, /* the weight of one view, and the full slope of one texel of height a texel */
+    ENC_WARP_ONE = 256,       /* a texel, as positions and heights count */
+    ENC_WARP_WEIGHT = 4096,   /* a weight of 1, and a slope of one texel across for each texel of height */
     ENC_WARP_FARTHEST = 4096, /* texels that a march may leave the image by, on each side: 128 texels of
                                 height at the greatest slope, and back along another view */
 };
@@ -35,10 +35,11 @@ btf_result enc_warp_create(int width, int height, int level, int32_t base, enc_w
 btf_result enc_warp_set_codes(enc_warp *warp, int32_t base, int32_t step, int steps, const uint8_t *codes);
 void enc_warp_clear(enc_warp *warp);
 
-/* Texels across for a texel of height, seen from a unit vector above the horizon, times 4096. */
+/* Finds the slope of a view, a unit vector above the horizon: how many texels a point moves across for each
+ * texel of its height, times 4096. */
 void enc_warp_slope(const float view[3], int32_t out_slope[2]);
 
-/* How far a point of height z lies from its foot in an image. */
+/* How far from its foot a point of height z appears in an image. */
 static inline int32_t enc_warp_move(const enc_warp *w, int32_t z, int32_t slope) {
     return (z * slope) >> (12 + w->level);
 }
@@ -47,9 +48,9 @@ static inline size_t enc_warp_texel(const enc_warp *w, int32_t u, int32_t v) {
     return (size_t)(w->row[(v >> 8) + ENC_WARP_FARTHEST] + w->column[(u >> 8) + ENC_WARP_FARTHEST]);
 }
 
-/* Height of the point that a view of this slope shows at (u, v). The reference's march takes twice the time (33 ns
- * for 16), since it wraps by division, and has codes, which heights that are still sought do not; that both agree is
- * tested (tests/unit/nodes/test_warp.c). */
+/* Finds the height of the point that a view of this slope shows at (u, v). The reference's march would take
+ * twice the time (33 ns against 16), since it wraps by division, and it reads codes, which heights that are
+ * still sought do not have; that both agree is tested (tests/unit/nodes/test_warp.c). */
 static inline int32_t enc_warp_march(const enc_warp *w, int32_t u, int32_t v, const int32_t slope[2]) {
     if (!w->heights) {
         return w->base;

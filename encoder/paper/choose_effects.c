@@ -13,7 +13,8 @@
 #include <openbtf/material.h>
 #include <stdlib.h>
 
-/* Share of points, below which clusters are not worth a try; chosen, not fitted. */
+/* Where fewer of the points than this share are hidden, clusters are not tried; chosen by hand, not
+ * fitted. */
 static const double hidden_share = 0.01;
 
 static double clipped(double value, double peak) {
@@ -123,8 +124,8 @@ btf_result enc_paper_error(const enc_context *context, const enc_data *data, con
     return enc_paper_sample(context, data, measure_texel, &m, 1, out_error);
 }
 
-/* Bytes of the maps of these effects in layout `tight`: what a texel of a map costs counts, not how the
- * atlas is rounded up. */
+/* Bytes that the maps of these effects take in layout `tight`, even for layout `paper`, since rounding up
+ * to an atlas would hide what an effect costs. */
 static uint64_t map_bytes(const enc_data *data, const enc_solution *s, uint32_t effects) {
     const uint64_t texels = enc_data_texel_count(data), views = (uint64_t)data->n_views;
     const uint64_t lights = (uint64_t)data->n_lights;
@@ -152,7 +153,8 @@ void enc_paper_note(const enc_context *context, const enc_data *data, const enc_
             cli_effects_text(effects, text), ENC_PAPER_SAMPLE, trial.psnr, verdict);
 }
 
-/* dB that the error `without` an effect lies above that `with` it, less the dB that its bytes have to gain. */
+/* dB by which the error `without` an effect exceeds that `with` it, less the dB that its bytes have to
+ * gain. */
 static double worth(const enc_paper_options *options, double with, double without, uint64_t bytes) {
     const double floor = 1e-10; /* 100 dB */
     return 10.0 * log10(fmax(without, floor) / fmax(with, floor)) -
@@ -163,7 +165,7 @@ btf_result enc_paper_probe(const enc_context *context, const enc_data *data,
                            const enc_paper_options *options, const enc_solution *solution,
                            enc_paper_stats *stats, bool *out_promising) {
     const double start = progress_core_clock();
-    enc_context quiet = *context; /* the stage "flow" is that of all lights */
+    enc_context quiet = *context; /* the stage "flow" belongs to the flow of all lights */
     const uint32_t without = solution->effects & BTF_EFFECT_SHADOW, with = without | BTF_EFFECT_SHIFT;
     enc_flow_options flow = options->flow;
     enc_occlusion *occlusion = NULL;

@@ -18,10 +18,12 @@
 enum {
     MAX_CENTRES = 65536,
     DEFAULT_ITERATIONS = 30,
-    MOST_POINTS = 4096, /* that are clustered together: all of a view up to 64x64 texels */
+    MOST_POINTS = 4096, /* points that are clustered together at most; a view of up to 64x64 texels has no
+                           more */
 };
 
-/* The fraction of a centre that is left to a view after whole centres are dealt. */
+/* The view that gets the next centre: it has the largest fraction left of those that may have another;
+ * n_views where none may. */
 static size_t most_left(int n_views, const size_t *distinct, const size_t *shares, const double *left) {
     size_t best = (size_t)n_views;
     for (size_t v = 0; v < (size_t)n_views; v++) {
@@ -60,7 +62,7 @@ void enc_cluster_shares(int n_views, const size_t *hidden, const size_t *distinc
     double left[ENC_MAX_DIRECTIONS];
     assert(n_views <= ENC_MAX_DIRECTIONS);
     size_t dealt = 0;
-    if (k < active) { /* one each, to those with most */
+    if (k < active) { /* one each, to the views with most hidden points */
         for (int v = 0; v < n_views; v++) {
             left[v] = (double)hidden[v];
         }
@@ -73,7 +75,7 @@ void enc_cluster_shares(int n_views, const size_t *hidden, const size_t *distinc
             dealt += whole;
             bound = bound || (hidden[v] > 0 && (whole < 1 || whole + (rest > 0) > distinct[v]));
         }
-        if (bound) { /* the factor under which the clamped shares add up to k, by bisection from below */
+        if (bound) { /* finds the factor with which the clamped shares add up to k, by bisection from below */
             double low = 0, high = (double)k;
             for (int i = 0; i < 200; i++) {
                 const double middle = 0.5 * (low + high);
@@ -110,7 +112,7 @@ typedef struct cluster_stage {
     size_t *hidden, *distinct, *shares, *first; /* [view] */
     size_t k;
     float *centres; /* [k][stride] */
-    uint64_t bytes; /* of the fullest view's points, sorted into parts */
+    uint64_t bytes; /* that the points of the fullest view take, sorted into parts */
 } cluster_stage;
 
 /* The hidden points of one view, in parts that are clustered apart. */
@@ -154,7 +156,8 @@ static btf_result sort_points(const cluster_stage *s, view_points *p) {
     return BTF_OK;
 }
 
-/* The first of a part's centres among the view's: shares of the parts follow their points. */
+/* The first of a part's centres among those of the view; parts have centres in proportion to their
+ * points. */
 static size_t part_centre(const cluster_stage *s, int view, const view_points *p, size_t part) {
     return s->shares[view] * p->first[part] / p->n;
 }
@@ -205,7 +208,7 @@ static btf_result points_of_view(const cluster_stage *s, int view, view_points *
     return result;
 }
 
-/* First pass: how many points, and how many different ones. */
+/* First pass: counts the hidden points of a view, and the different ones among them. */
 static btf_result count_view(const cluster_stage *s, int view) {
     view_points points;
     btf_result result = points_of_view(s, view, &points);
@@ -217,7 +220,7 @@ static btf_result count_view(const cluster_stage *s, int view) {
     return result;
 }
 
-/* Second pass: the view's centres, as floats. */
+/* Second pass: finds the view's centres, as floats. */
 static btf_result find_centres(const cluster_stage *s, int view) {
     if (s->shares[view] == 0) {
         return BTF_OK;
@@ -238,7 +241,7 @@ static btf_result find_centres(const cluster_stage *s, int view) {
     return result;
 }
 
-/* Third pass: the nearest of the centres as stored, of those of the point's part. */
+/* Third pass: gives each point the nearest of its part's centres, as they will be stored. */
 static btf_result choose_centres(const cluster_stage *s, int view) {
     view_points points;
     btf_result result = points_of_view(s, view, &points);
@@ -246,7 +249,7 @@ static btf_result choose_centres(const cluster_stage *s, int view) {
         const size_t begin = points.first[part], end = points.first[part + 1];
         size_t first = part_centre(s, view, &points, part);
         size_t k = part_centre(s, view, &points, part + 1) - first;
-        if (k == 0) { /* those of the whole view, or of all views */
+        if (k == 0) { /* a part without centres takes those of the whole view, or of all views */
             first = 0;
             k = s->shares[view];
         }
@@ -264,7 +267,7 @@ static btf_result choose_centres(const cluster_stage *s, int view) {
     return result;
 }
 
-/* A rank does its own views. */
+/* Runs a pass over the views of this rank. */
 static btf_result for_each_view(const cluster_stage *s, btf_result (*pass)(const cluster_stage *, int)) {
     btf_result result = BTF_OK;
     const int threads = enc_memory_threads(s->context, s->bytes);
@@ -279,7 +282,7 @@ static btf_result for_each_view(const cluster_stage *s, btf_result (*pass)(const
     return result;
 }
 
-/* The centres that the ranks have found for their views, to all. */
+/* Hands the centres that each rank found for its views to all ranks. */
 static btf_result share_centres(const cluster_stage *s, btf_result result) {
     const size_t size = (size_t)enc_ranks_count(s->context), views = (size_t)s->data->n_views;
     size_t *bounds = malloc((size + 1) * sizeof *bounds), first, end;

@@ -19,7 +19,7 @@ typedef struct enc_centres {
 
 /* Zero means the default beside the field. */
 typedef struct enc_cluster_options {
-    int iterations;   /* of Lloyd at most; default 30, fewer when nothing moves */
+    int iterations;   /* of Lloyd's algorithm at most; default 30, fewer when nothing moves */
     bool linear;      /* distances and means of radiance instead of its square root; default false */
     bool data_points; /* centres are the data points nearest to the centroids; default false: centroids */
     uint64_t seed;    /* of the start; default 1 */

@@ -35,7 +35,7 @@ static int by_row(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Inner product of a row, less the mean, with the direction. */
+/* The inner product of a row, less the mean, with the direction. */
 static double along(const splitter *s, const float *row) {
     double sum = 0;
     for (size_t d = 0; d < s->stride; d++) {
@@ -44,7 +44,8 @@ static double along(const splitter *s, const float *row) {
     return sum;
 }
 
-/* The direction of largest variance, from power iteration that starts at the row farthest from the mean. */
+/* Finds the direction of largest variance by power iteration, which starts at the row farthest from the
+ * mean. */
 static void find_direction(splitter *s, const size_t *rows, size_t n) {
     double farthest = -1;
     memset(s->mean, 0, s->stride * sizeof *s->mean);
@@ -86,7 +87,7 @@ static void find_direction(splitter *s, const size_t *rows, size_t n) {
     }
 }
 
-/* Depth is the logarithm of n / most. */
+/* Splits rows begin .. end - 1 into parts by recursion, about log2(n / most) deep. */
 static void split(splitter *s, size_t begin, size_t end) {
     const size_t n = end - begin;
     size_t *rows = s->order + begin;

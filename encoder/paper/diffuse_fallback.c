@@ -13,7 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rounding is this part of an error, and of the mean square of the samples. */
+/* Errors that differ by less than `tie` of one, and `nothing` of the mean square of the samples, are equal
+ * but for rounding. */
 static const double tie = 1e-6, nothing = 1e-9;
 
 static const double stray = 1e-3; /* share of the samples that may exceed the peak */
@@ -22,13 +23,13 @@ enum { OCTAVES = 24 };            /* peaks 1, 2, 4, .. 2^24 */
 /* Sums over the samples. */
 enum { FOUND, DIFFUSE, ENERGY, SUMS };
 
-/* A positive number as the file may hold it. */
+/* Brings a positive number into the range that a file may hold. */
 static float storable(double value) {
     return value >= 0x1p-24 ? (float)fmin(value, 0x1p24) : 0.0f;
 }
 
-/* The best model without lobes: the first numbers of a texel in the layout of sbrdf.h, of which RGB lobes
- * have three. */
+/* Finds the best model without lobes: the first numbers of a texel in the layout of sbrdf.h, four with one
+ * colour and three with RGB lobes. */
 static void fit_diffuse(const enc_data *data, bool rgb, const float *samples, float out[4]) {
     const size_t lights = (size_t)data->n_lights;
     double aa = 0.0, at[3] = {0};
@@ -57,7 +58,7 @@ typedef struct comparison {
     double peak;
 } comparison;
 
-/* Samples above each peak. */
+/* Counts the samples above each peak. */
 static void count_texel(const void *user, size_t texel, const float *samples, float *scratch, double *out) {
     const comparison *c = user;
     (void)texel, (void)scratch;
@@ -98,7 +99,7 @@ static void compare_texel(const void *user, size_t texel, const float *samples, 
     }
 }
 
-/* The diffuse fit of every texel. */
+/* Makes the diffuse fit of every texel. */
 static btf_result fit_all(const enc_context *context, const enc_data *data, enc_sbrdf *sbrdf) {
     const size_t stride = enc_sbrdf_stride(sbrdf->lobes, sbrdf->rgb);
     size_t begin, end;
@@ -132,7 +133,7 @@ static btf_result fit_all(const enc_context *context, const enc_data *data, enc_
                             sbrdf->n_texels);
 }
 
-/* Maps that change nothing. */
+/* Makes the maps change nothing: white shadows, no shift, no point hidden. */
 static void blank(enc_solution *s, enc_occlusion *occlusion) {
     if (s->shadow) {
         memset(s->shadow, 255, (size_t)s->n_lights * enc_solution_texels(s));

@@ -17,7 +17,7 @@ enum { CHUNK = 16 };
 /* At least this part of a texel's samples stays in the fit. */
 static const double least_kept = 0.1;
 
-/* Shared by all texels: l * v by component and m(l) for every (view, light). */
+/* What all texels share: l * v by component, and m(l), for every (view, light). */
 typedef struct geometry {
     size_t n;
     float *memory;
@@ -92,14 +92,14 @@ static btf_result worker_make(const enc_data *data, size_t n, worker *out) {
     return BTF_OK;
 }
 
-/* The share of one texel in the statistics. */
+/* What one texel adds to the statistics. */
 typedef struct texel_stats {
     double cost, core_seconds;
     uint32_t solves, evaluations, rejected, dead_lobes;
     bool diffuse, black;
 } texel_stats;
 
-/* [view][channel][light] to planar [channel][view, light]; returns false when all are 0. */
+/* Copies samples [view][channel][light] to planar [channel][view, light]; returns false when all are 0. */
 static bool load_texel(const enc_data *data, const float *samples, bool square_root, worker *w) {
     const size_t lights = (size_t)data->n_lights;
     bool any = false;
@@ -117,7 +117,7 @@ static bool load_texel(const enc_data *data, const float *samples, bool square_r
     return any;
 }
 
-/* The samples not rejected, planar. */
+/* Gathers the samples that are not rejected, planar. */
 static enc_fit_samples keep_samples(const geometry *g, worker *w) {
     size_t n = 0;
     for (size_t i = 0; i < g->n; i++) {

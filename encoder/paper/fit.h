@@ -18,7 +18,7 @@ typedef struct enc_fit_stats {
     uint64_t evaluations; /* passes over the samples of a texel */
     uint64_t samples;     /* texel, view, light triples */
     uint64_t rejected;    /* of them, left out of the last fit */
-    uint64_t fallbacks;   /* texels whose lobes did not pay: diffuse fit kept */
+    uint64_t fallbacks;   /* texels that kept the diffuse fit, since their lobes did not pay */
     uint64_t dead_lobes;  /* lobes of other texels set to 0 because they did not pay */
     uint64_t black;       /* texels without any light */
 } enc_fit_stats;

@@ -16,8 +16,9 @@
 
 enum {
     MIN_PADDING = 16,
-    PLAIN_SCALE = 2, /* without an estimate, images are doubled: DIS takes 8x8 patches, relief is finer */
-    PRIOR_SCALE = 1, /* with one, what is left to find is small, and doubling gains nothing */
+    PLAIN_SCALE = 2, /* without a first estimate images are doubled: DIS compares 8x8 patches, and relief is
+                        finer than that */
+    PRIOR_SCALE = 1, /* with an estimate little is left to find, and doubling gains nothing */
 };
 
 static enc_flow_options with_defaults(const enc_flow_options *given) {
@@ -101,14 +102,14 @@ btf_result enc_flow_pair(const enc_context *context, int width, int height, cons
     return BTF_OK;
 }
 
-/* A wrapped shift of at most 127 texels. */
+/* Rounds and wraps a shift, to at most 127 texels. */
 static int8_t whole_shift(float delta, int size) {
     const int n = enc_occlusion_wrap((int)lrintf(fminf(fmaxf(delta, -1e6f), 1e6f)), size);
     return (int8_t)(n < -127 ? -127 : n > 127 ? 127 : n);
 }
 
-/* The vector named most often among votes[n][2] whose `hidden` is at most `admitted`. seen[n][2] and
- * counts[n] are room for the distinct ones. */
+/* Finds the vector named most often among those of votes[n][2] whose `hidden` is at most `admitted`.
+ * seen[n][2] and counts[n] have room for the different ones. */
 static void majority(int n, const int8_t *votes, const uint8_t *hidden, int admitted, int8_t *seen,
                      int *counts, int8_t out[2]) {
     int distinct = 0, best = 0;
@@ -135,7 +136,7 @@ static void majority(int n, const int8_t *votes, const uint8_t *hidden, int admi
     }
 }
 
-/* `count` of `total` indices, spread evenly. */
+/* Chooses `count` of `total` indices, spread evenly. */
 static void spread(int count, int total, int *out) {
     for (int i = 0; i < count; i++) {
         out[i] = (int)((int64_t)i * total / count);
@@ -151,7 +152,7 @@ typedef struct flow_stage {
     int *voters;                /* [n_voters] light indices */
     int *prior;                 /* [n_prior] light indices */
     enc_flow_image *top;        /* [n_voters] */
-    enc_flow_planes top_planes; /* of the prior's lights */
+    enc_flow_planes top_planes; /* under the lights of the first estimate */
     enc_occlusion *occlusion;
 } flow_stage;
 
@@ -245,7 +246,7 @@ static btf_result estimate(const flow_stage *s, int view, view_vote *v) {
     return result;
 }
 
-/* The flow of one view under every voting light; *out_voted of them had light. */
+/* Finds the flow of one view under every light that votes; *out_voted of these images were not black. */
 static btf_result collect_votes(const flow_stage *s, enc_flow_worker *w, view_vote *v, size_t *out_voted) {
     const size_t texels = enc_data_texel_count(s->data), n = (size_t)s->n_voters;
     const float *forward = s->options.plain ? NULL : v->forward;
@@ -398,7 +399,7 @@ btf_result enc_flow_vote(const enc_context *context, const enc_data *data, const
     return BTF_OK;
 }
 
-/* A wrapped difference. */
+/* Wraps a difference over the tile, to the value nearest to 0. */
 static double wrapped(double delta, int size) {
     return delta - size * floor(delta / size + 0.5);
 }

@@ -9,32 +9,33 @@
 #include "encoder/model/occlusion.h"
 #include <stdbool.h>
 
-enum { ENC_FLOW_PRIOR_LIGHTS = 27 }; /* of the first estimate, at most: more change nothing */
+enum { ENC_FLOW_PRIOR_LIGHTS = 27 }; /* lights of the first estimate, at most; more change nothing */
 
 /* Zero means the default beside the field. */
 typedef struct enc_flow_options {
     int lights;             /* lights that vote, spread evenly over the list; default all */
     float hidden_threshold; /* hidden where HiddenRatio exceeds it; default 0.7, the paper's */
     float miss;             /* texels by which forward and backward flow may miss; default 1 */
-    float difference;  /* relative luminance difference that still is one surface point; default 0.35 */
+    float difference;  /* relative luminance difference up to which two texels may show one surface point;
+                          default 0.35 */
     int padding;       /* texels of periodic continuation on each side, at least 16; default 16 */
     bool plain;        /* no first estimate (flow_prior.h): each light starts from 0; default false */
     float depth, rise; /* heights that the estimate tries below and above the plane, in tiles;
                           defaults 0.15 and 0.03 */
 } enc_flow_options;
 
-/* Flow between two images of one light, without a first estimate. target and top are luminances [texel],
- * row 0 at the top; out_flow[texel][2] = (columns, rows): target(x) shows what top(x + flow) shows, not
- * wrapped; out_hidden[texel] = 1 where the forward-backward flow misses by more than options->miss texels
- * or the luminances, both images scaled to one mean, differ by more than options->difference of the larger
- * one. An image without light gives zero flow and hides nothing. Errors: BTF_ERROR_USAGE (options),
- * BTF_ERROR_MEMORY, BTF_ERROR_INTERNAL (OpenCV). Any thread. */
+/* Finds the flow between two images of one light, without a first estimate. target and top are luminances
+ * [texel], row 0 at the top; out_flow[texel][2] = (columns, rows): target(x) shows what top(x + flow)
+ * shows, not wrapped; out_hidden[texel] = 1 where the forward-backward flow misses by more than
+ * options->miss texels or the luminances, both images scaled to one mean, differ by more than
+ * options->difference of the larger one. An image without light gives zero flow and hides nothing. Errors:
+ * BTF_ERROR_USAGE (options), BTF_ERROR_MEMORY, BTF_ERROR_INTERNAL (OpenCV). Any thread. */
 btf_result enc_flow_pair(const enc_context *context, int width, int height, const float *target,
                          const float *top, const enc_flow_options *options, float *out_flow,
                          uint8_t *out_hidden);
 
-/* The vote over the lights, each with its own flow from the view's first estimate, for every view but the
- * top view, which is unmoved and not hidden: HiddenRatio(x) = avg_l HiddenMap_l(x),  hidden where
+/* Lets the lights vote, each by its own flow from the view's first estimate, for every view but the top
+ * view, of which nothing is shifted or hidden: HiddenRatio(x) = avg_l HiddenMap_l(x), hidden where
  * HiddenRatio(x) > hidden_threshold, shift(x) = the integer vector with most votes among the lights whose
  * flow does not hide x (of all lights where each hides it); ties prefer the smaller shift, then the smaller
  * row, then column. Flows are rounded to texels and wrapped over the tile, at most 127 texels long in
@@ -47,7 +48,7 @@ btf_result enc_flow_pair(const enc_context *context, int width, int height, cons
 btf_result enc_flow_vote(const enc_context *context, const enc_data *data, const enc_flow_options *options,
                          enc_occlusion **out_occlusion);
 
-/* End-point error against known shifts over one ring of views (one theta), in texels. */
+/* The end-point error against known shifts over one ring of views (one theta), in texels. */
 typedef struct enc_flow_ring {
     double theta;        /* degrees */
     size_t points;       /* known points of the ring */

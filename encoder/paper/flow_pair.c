@@ -67,7 +67,7 @@ void enc_flow_image_clear(enc_flow_image *image) {
  * pixel 2i + 1 as much behind it. */
 static const float cubic[4] = {-0.0703125f, 0.8671875f, 0.2265625f, -0.0234375f};
 
-/* Doubles a periodic signal of n samples `stride` apart into out of the same stride. */
+/* Doubles a periodic signal of n samples, `stride` apart, into `out`, whose samples lie as far apart. */
 static void double_line(const float *in, int n, size_t stride, float *out) {
     for (int i = 0; i < n; i++) {
         const float a = in[(size_t)enc_occlusion_modulo(i - 2, n) * stride];
@@ -80,7 +80,7 @@ static void double_line(const float *in, int n, size_t stride, float *out) {
     }
 }
 
-/* plane[texel], width x height, enlarged and continued: out[padded row][padded column]. */
+/* Enlarges plane[texel], width x height, and continues it on all sides: out[padded row][padded column]. */
 static void make_grey(enc_flow_worker *w, int width, int height, const float *plane, unsigned char *out) {
     const int scale = w->scale, columns = padded(w, width), rows = padded(w, height);
     const float *image = plane;
@@ -106,8 +106,8 @@ static void make_grey(enc_flow_worker *w, int width, int height, const float *pl
     }
 }
 
-/* The canonical orientation of an image, by its first moments about the middle. Whole numbers, whose sums
- * do not depend on the order: an image that is symmetric stays as it is. */
+/* Finds the canonical orientation of an image by its first moments about the middle. They are sums of whole
+ * numbers, which do not depend on the order, so that a symmetric image stays as it is. */
 static void find_orientation(int width, int height, enc_flow_image *image) {
     int64_t x = 0, y = 0;
     for (int r = 0; r < height; r++) {
@@ -146,7 +146,7 @@ btf_result enc_flow_image_create(int width, int height, const float *luminance, 
     return image.relative && image.root ? BTF_OK : BTF_ERROR_MEMORY;
 }
 
-/* Bilinear value of a periodic image at (x, y) texels. */
+/* Interpolates a periodic image bilinearly at (x, y) texels. */
 static float sample_periodic(const float *image, int width, int height, float x, float y) {
     const float left = floorf(x), top = floorf(y);
     const int c = enc_occlusion_modulo((int)left, width), r = enc_occlusion_modulo((int)top, height);
@@ -157,14 +157,16 @@ static float sample_periodic(const float *image, int width, int height, float x,
            (lower[c] + (lower[c1] - lower[c]) * fx) * fy;
 }
 
-/* The texel nearest to (c + x, r + y), wrapped. The shift is rounded, not the place: that is symmetric. */
+/* The texel nearest to (c + x, r + y), wrapped. The shift is rounded and not the sum, which gives the
+ * mirrored result for a mirrored pair. */
 static size_t nearest_texel(const enc_flow_worker *w, int c, int r, float x, float y) {
     c = enc_occlusion_modulo(c + (int)lrintf(x), w->width);
     r = enc_occlusion_modulo(r + (int)lrintf(y), w->height);
     return (size_t)r * (size_t)w->width + (size_t)c;
 }
 
-/* The place of column c and row r once the image is turned as `like` canonically is. */
+/* Where column c and row r come to lie when an image is turned the way that brings `like` to its canonical
+ * orientation. */
 static void oriented(const enc_flow_worker *w, const enc_flow_image *like, int c, int r, int *out_c,
                      int *out_r) {
     c = like->flip_columns ? w->width - 1 - c : c;
@@ -173,7 +175,7 @@ static void oriented(const enc_flow_worker *w, const enc_flow_image *like, int c
     *out_r = like->transpose ? c : r;
 }
 
-/* An image warped by `prior` (or NULL), turned as `like` and made ready for OpenCV. */
+/* Warps an image by `prior` (or NULL), turns it as `like` and makes it ready for OpenCV. */
 static void prepare_image(enc_flow_worker *w, const enc_flow_image *image, const float *prior,
                           const enc_flow_image *like, unsigned char *out) {
     const int width = like->transpose ? w->height : w->width;
@@ -191,7 +193,7 @@ static void prepare_image(enc_flow_worker *w, const enc_flow_image *image, const
     make_grey(w, width, like->transpose ? w->width : w->height, w->plane, out);
 }
 
-/* Flow from one image to another, starting from `prior` (or NULL), found with both turned as `like`:
+/* Finds the flow from one image to another, starting from `prior` (or NULL), with both turned as `like`:
  * out[texel][2]. */
 static btf_result flow_between(enc_flow_worker *w, const enc_flow_image *from, const enc_flow_image *to,
                                const float *prior, const enc_flow_image *like, float *out) {
@@ -203,7 +205,8 @@ static btf_result flow_between(enc_flow_worker *w, const enc_flow_image *from, c
     if (enc_cv_flow_compute(w->dis, columns, rows, w->grey[0], w->grey[1], w->field) != 0) {
         return BTF_ERROR_INTERNAL;
     }
-    const float share = 1.0f / (float)(scale * scale * scale); /* mean over pixels, in texels */
+    const float share = 1.0f / (float)(scale * scale * scale); /* for the mean over a texel's pixels, in
+                                                                  texels */
     for (int r = 0; r < height; r++) {
         for (int c = 0; c < width; c++) {
             int column, row;

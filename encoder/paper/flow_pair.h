@@ -44,15 +44,14 @@ void enc_flow_worker_clear(enc_flow_worker *worker);
 btf_result enc_flow_image_create(int width, int height, const float *luminance, enc_flow_image *out_image);
 void enc_flow_image_clear(enc_flow_image *image);
 
-/* Flow of a pair: out_flow[texel][2] = (columns, rows), target(x) ~ top(x + flow(x)), not wrapped. With a
- * first estimate (forward and backward[texel][2], see flow_prior.h, else NULL), the flow is that of the
- * target towards the top image warped by it, and the estimate is added.
- * out_hidden[texel] = 1 where forward and backward flow miss by more than `miss` texels, or relative
- * luminances differ by more than `difference` of the larger one. A black image gives zeros. OpenCV's flow
- * goes through an image from its top left, and finds something else in the same pair mirrored or turned. So
- * it is handed every pair as its target lies canonically: of a pair mirrored, turned by quarters or
- * transposed, the flow is mirrored, turned or transposed too, but for rounding.
- * Errors: BTF_ERROR_INTERNAL (OpenCV). */
+/* Finds the flow of a pair: out_flow[texel][2] = (columns, rows), target(x) ~ top(x + flow(x)), not
+ * wrapped. With a first estimate (forward and backward[texel][2], see flow_prior.h, else NULL), the flow is
+ * that of the target towards the top image warped by it, and the estimate is added. out_hidden[texel] = 1
+ * where forward and backward flow miss by more than `miss` texels, or relative luminances differ by more
+ * than `difference` of the larger one. A black image gives zeros. OpenCV's flow goes through an image from
+ * its top left, and finds something else in the same pair mirrored or turned. So every pair is first turned
+ * to the canonical orientation of its target: if a pair is mirrored, turned by quarters or transposed, so
+ * is its flow, but for rounding. Errors: BTF_ERROR_INTERNAL (OpenCV). */
 btf_result enc_flow_pair_compute(enc_flow_worker *worker, const enc_flow_image *target,
                                  const enc_flow_image *top, const float *forward, const float *backward,
                                  float miss, float difference, float *out_flow, uint8_t *out_hidden);

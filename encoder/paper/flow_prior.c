@@ -10,21 +10,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* In units of the images, whose mean is 1; step and jump are P1 and P2 of Hirschmueller 2008, section 2.2. With them
- * the voted shifts of btf-sample bricks and of BRICKS64, whose true shifts are known, miss by 1.09 and 0.75 texels
- * at 30 degrees; which data they were set on is not recorded. */
+/* In units of the images, whose mean is 1; step and jump are P1 and P2 of Hirschmüller 2008, section 2.2.
+ * With them the voted shifts of btf-sample bricks and of BRICKS64, whose true shifts are known, miss by
+ * 1.09 and 0.75 texels at 30 degrees; which data they were set on is not recorded. */
 static const float most_difference = 0.5f; /* beyond it, a sample is an outlier */
 static const float step_penalty = 0.03f;   /* neighbours one step apart */
 static const float jump_penalty = 0.2f;    /* neighbours further apart */
-static const float equal_sums = 1e-5f;     /* sums over paths that differ by less are equal: no texture */
+static const float equal_sums = 1e-5f; /* sums over paths that differ by less count as equal: nothing but
+                                              rounding tells them apart */
 static const float never = 1e9f;
 
-static const float aside_gain = 0.9f; /* a line beside the view's own must lower the cost this far */
+static const float aside_gain = 0.9f; /* a line beside the view's own must lower the cost to this share */
 
 enum {
     MAX_SHIFT = 127,
-    MAX_ASIDE = 2,    /* texels by which the images of a view may lie beside their place */
-    ASIDE_LIGHTS = 5, /* that are asked for it */
+    MAX_ASIDE = 2,    /* texels by which the images of a view may lie beside their place, each way */
+    ASIDE_LIGHTS = 5, /* lights by which that is found */
 };
 
 btf_result enc_flow_planes_create(int width, int height, const float *images, int n_chosen,
@@ -59,8 +60,8 @@ void enc_flow_planes_clear(enc_flow_planes *planes) {
     planes->values = NULL;
 }
 
-/* The line of shifts of one search: label j is the shift
- * (first + j) * (columns, rows) + aside * (-rows, columns). */
+/* The line on which one search looks for shifts: label j is the shift (first + j) * (columns, rows) + aside
+ * * (-rows, columns). */
 typedef struct shift_line {
     float columns, rows; /* one texel long */
     float aside;         /* texels */
@@ -250,7 +251,8 @@ static btf_result search(const enc_flow_planes *from, const enc_flow_planes *to,
     return result;
 }
 
-/* Sum over texels of the least cost of any label, by a few lights: how well a line explains the view. */
+/* Finds how well a line explains the view: the sum over texels of the least cost of any label, by a few
+ * lights. */
 static btf_result line_cost(const enc_flow_planes *from, const enc_flow_planes *to, const shift_line *line,
                             double *out_cost) {
     const size_t texels = (size_t)from->width * (size_t)from->height, count = (size_t)line->count;
@@ -276,8 +278,8 @@ static btf_result line_cost(const enc_flow_planes *from, const enc_flow_planes *
     return result;
 }
 
-/* Measured images may lie a little beside their place, and a point then off its line: moves the line to
- * where it explains the view clearly best. */
+/* Moves the line aside if it then explains the view clearly better: measured images may lie a little beside
+ * their place, and points then off their line. */
 static btf_result move_line(const enc_flow_planes *target, const enc_flow_planes *top, shift_line *line) {
     double centred = 0, least = 0;
     float best = 0;

@@ -3,9 +3,9 @@
  * A point at height h over the reference plane shows, in a view at (theta, phi), at
  *   x = P - h tan(theta) (cos phi, sin phi),
  * so its shift towards the top view lies on one line for the whole view, and one number a texel is to be
- * found. All lights share it (paper 2.3.1: "the surface point we look at will not be changed no matter
- * where the light is located"), and their shadows and colours together tell points apart that look alike in
- * any single pair of images. The number is chosen by semi-global matching (Hirschmueller 2008), periodic.
+ * found. All lights share it (paper 2.3.1: "the surface point we look at will not be changed no matter where
+ * the light is located"), and their shadows and colours together tell points apart that look alike in any
+ * single pair of images. Semi-global matching (Hirschmüller 2008) on the periodic tile chooses the number.
  *
  * SPDX-License-Identifier: MIT
  */

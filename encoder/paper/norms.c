@@ -12,7 +12,7 @@
 #include <math.h>
 #endif
 
-/* Lane-wise correctly rounded square root, the same bits from each instruction set. */
+/* The correctly rounded square root of each lane, the same bits from each instruction set. */
 ENC_INLINE void root_base(const enc_v16 *x, enc_v16 *out) {
 #ifdef ENC_HAVE_X86_DISPATCH
     for (int i = 0; i < 4; i++) {
@@ -50,7 +50,7 @@ ENC_INLINE void root_base(const enc_v16 *x, enc_v16 *out) {
         (result) = (half_[0] + half_[2]) + (half_[1] + half_[3]);                                          \
     } while (0)
 
-/* Both functions of enc_norms for one instruction set. */
+/* Defines both functions of enc_norms for one instruction set. */
 #define DEFINE_KERNELS(name, TARGET, ROOT)                                                                 \
     TARGET static void bounds_##name(const float *query, const float *candidates, size_t count,            \
                                      float *bounds) {                                                      \

@@ -14,7 +14,7 @@ typedef struct enc_norms {
     /* sum_i || a_i - b_i ||, a and b holding three planes of `lanes` floats (a multiple of 16), so that a_i
      * is (a[i], a[lanes + i], a[2 * lanes + i]). */
     float (*distance)(const float *a, const float *b, size_t lanes);
-    /* The distance, with 16 lanes, of `query` to each of `count` consecutive candidates: out[count]. */
+    /* The distance of `query`, of 16 lanes, to each of `count` consecutive candidates: out[count]. */
     void (*bounds)(const float *query, const float *candidates, size_t count, float *out);
 } enc_norms;
 

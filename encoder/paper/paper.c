@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Shifts and hidden flags as the maps of a solution. */
+/* Moves shifts and hidden flags to the maps of a solution. */
 static btf_result take_occlusion(const enc_context *context, const enc_occlusion *occlusion,
                                  enc_solution *s) {
     const size_t points = (size_t)s->n_views * enc_solution_texels(s);
@@ -44,7 +44,7 @@ static btf_result run_occlusion(const enc_context *context, const enc_data *data
     stats->hidden_total = (size_t)data->n_views * enc_data_texel_count(data);
     stats->hidden_before = enc_occlusion_hidden_count(occlusion, -1);
     uint8_t *white = NULL;
-    if (!s->shadow) {
+    if (!s->shadow) { /* the search multiplies by shadows, which change nothing where the effect is off */
         white = malloc((size_t)data->n_lights * enc_data_texel_count(data));
         if (!white) {
             return enc_fail(context, BTF_ERROR_MEMORY, "out of memory");

@@ -24,7 +24,7 @@ enum {
     BOUND_FLOATS = 3 * GROUPS,
     WHOLE_WINDOW = 256, /* up to 64x64 texels the default window holds them all */
     WHOLE_TEXELS = 4096,
-    BOUNDED_WINDOW = 64, /* beyond, around the shift that was voted */
+    BOUNDED_WINDOW = 64, /* of larger textures, around the shift that was voted */
     MOST_SHIFT = 127,
 };
 /* More than float rounding can move a bound above its distance, relative to the distance and to the sums. */
@@ -40,15 +40,16 @@ typedef struct refine_stage {
     enc_occlusion *occlusion;
     size_t n_texels, lanes, stride;
     int columns, rows;                    /* window */
-    int first_column, first_row;          /* its least shift; with `around`, less the point's own */
-    bool around;                          /* the window lies around the shift that the point has */
+    int first_column, first_row;          /* its least shift; with `around` relative to the point's own */
+    bool around;                          /* the window lies around the point's own shift */
     float *light;                         /* [4][n_lights]: x, y, z, max(z, 0) */
-    float *measured, *modelled;           /* [texel][channel][lane]: BTF and STVS of the view at hand */
+    float *measured, *modelled;           /* [texel][channel][lane]: BTF and STVS of the present view */
     float *measured_sums, *modelled_sums; /* [texel][channel][group] */
     enc_norms norms;
 } refine_stage;
 
-/* Sums of a profile over GROUPS runs of consecutive lights: neighbours on a ring, so that little cancels. */
+/* Sums a profile over GROUPS runs of consecutive lights, which are neighbours on a ring, so that little
+ * cancels. */
 static void group_sums(const refine_stage *s, const float *profile, float *out) {
     const int n = s->data->n_lights;
     for (size_t c = 0; c < 3; c++) {
@@ -84,8 +85,8 @@ static void model_view(const refine_stage *s, int view) {
     }
 }
 
-/* Mean distance of the points that are not hidden, under the shifts they have; 0 without any. `distances`
- * is room for one a texel. */
+/* The mean distance of the points that are not hidden, with the shifts that they have; 0 if all are hidden.
+ * `distances` has room for one a texel. */
 static float mean_distance(const refine_stage *s, int view, float *distances) {
     const size_t first = (size_t)view * s->n_texels;
 #pragma omp parallel for num_threads(s->context->threads) schedule(static)
@@ -114,8 +115,8 @@ static int window_first(const refine_stage *s, int shift, int first, int extent)
                                             : from;
 }
 
-/* The best source of one point in its window: its distance, and its shift, which comes in as the point has
- * it. `bounds` has room for the window. */
+/* Finds the best source of one point in its window: returns its distance and sets out_shift, which holds
+ * the point's present shift on entry. `bounds` has room for the window. */
 static float search_point(const refine_stage *s, size_t texel, float *bounds, int8_t out_shift[2]) {
     const int width = s->data->width, height = s->data->height;
     const int column = (int)(texel % (size_t)width), row = (int)(texel / (size_t)width);
@@ -179,7 +180,8 @@ static void refine_view(const refine_stage *s, int view, float threshold, float 
     }
 }
 
-/* A window of `wanted` texels over a tile of `size`: its extent and least shift, within -128..127. */
+/* The extent of a window of `wanted` texels over a tile of `size`, and its least shift, within
+ * -128..127. */
 static int window_extent(int wanted, int size, int *out_first) {
     int extent = wanted < size ? wanted : size;
     if (extent > 256) {
@@ -250,6 +252,7 @@ btf_result enc_refine(const enc_context *context, const enc_data *data, const en
                       .n_texels = enc_data_texel_count(data),
                       .lanes = enc_profile_lanes(data->n_lights),
                       .stride = enc_profile_stride(data->n_lights)};
+    /* a window that was asked for lies around the point itself, as the paper's does */
     s.around = bounded && (!options || (options->columns == 0 && options->rows == 0));
     s.columns = window_extent(columns, data->width, &s.first_column);
     s.rows = window_extent(rows, data->height, &s.first_row);

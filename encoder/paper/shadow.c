@@ -41,7 +41,7 @@ void enc_shadow_profile(const enc_data *data, const enc_sbrdf *sbrdf, const enc_
     }
 }
 
-/* Codes of `count` texels from `first`. samples and profile are this thread's scratch memory. */
+/* Finds the codes of `count` texels from `first`. samples and profile are this thread's scratch memory. */
 static btf_result shadow_chunk(const enc_context *context, const enc_data *data, const enc_sbrdf *sbrdf,
                                const enc_shadow_options *options, size_t first, size_t count,
                                float *samples, float *profile, uint8_t *out) {
@@ -62,7 +62,7 @@ static btf_result shadow_chunk(const enc_context *context, const enc_data *data,
     return BTF_OK;
 }
 
-/* The codes that the ranks have found for their texels, first .. end - 1, to all. */
+/* Hands the codes that each rank found for its texels, here first .. end - 1, to all ranks. */
 static btf_result share(const enc_context *context, btf_result result, size_t texels, size_t lights,
                         size_t first, size_t end, uint8_t *codes) {
     if (enc_ranks_count(context) == 1) {

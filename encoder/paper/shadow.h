@@ -41,13 +41,13 @@ static inline uint8_t enc_shadow_code(float ratio) {
     return (uint8_t)(255.0f * clamped + 0.5f);
 }
 
-/* The 6D shadow function of one texel under one view: out_ratio[light]. `samples` is the profile
+/* Finds the 6D shadow function of one texel under one view: out_ratio[light]. `samples` is the profile
  * [channel][light] of (texel, view), linear. buffer: 6 * n_lights floats of scratch memory. */
 void enc_shadow_profile(const enc_data *data, const enc_sbrdf *sbrdf, const enc_shadow_options *options,
                         size_t texel, int view, const float *samples, float *buffer, float *out_ratio);
 
-/* The top-view shadow map (2.2): out[light][texel], codes of the ratios at data->top_view.
- * Errors: BTF_ERROR_USAGE (thresholds, texel count), BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file),
+/* Makes the top-view shadow map (2.2): out[light][texel], codes of the ratios at data->top_view. Errors:
+ * BTF_ERROR_USAGE (thresholds, texel count), BTF_ERROR_MEMORY, BTF_ERROR_IO (scratch file),
  * BTF_ERROR_INTERRUPTED. */
 btf_result enc_top_view_shadow(const enc_context *context, const enc_data *data, const enc_sbrdf *sbrdf,
                                const enc_shadow_options *options, uint8_t *out);

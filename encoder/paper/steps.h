@@ -26,7 +26,7 @@ btf_result enc_step_cluster(const enc_context *context, const enc_data *data,
                             const enc_cluster_options *options, int k_total, enc_occlusion *occlusion,
                             enc_centres **out_centres);
 
-/* Taking and keeping one step, of which the functions above are made.
+/* The functions that take and keep one step, of which those above are made.
  *
  * A step that cannot be of this data set and these options counts as none, however it came to be: whatever
  * the file holds, a step that is taken can be worked with. Nothing is taken where context->checkpoint is

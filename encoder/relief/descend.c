@@ -20,8 +20,7 @@ enum {
 };
 
 /* Penalty of the total variation: for a difference of one texel in height between neighbours, as a share of
- * a flat surface's mean squared error at a texel. Measured with the penalties of
- * sweep.c, see there. */
+ * a flat surface's mean squared error at a texel. Measured with the penalties of sweep.c, see there. */
 static const double variation = 0.02;
 static const int32_t variation_most = 4 * ENC_WARP_ONE;
 
@@ -36,12 +35,12 @@ typedef struct descent {
     const enc_seen *seen;
     enc_warp *warp;
     size_t texels;
-    float *error;   /* [view left out][texel] squared, as the heights stand */
+    float *error;   /* [view left out][texel] squared, at the present heights */
     double unit;    /* sum over the views of a flat surface's mean squared error */
     change *change; /* [texel]: of the texels that change together */
 } descent;
 
-/* A neighbour's numbers at a place, weighed. */
+/* Adds a neighbour's numbers at a place to out, weighted. */
 ENC_CLONES static void add_fetch(const float *images, const enc_warp_fetch *f, float weight, float out[K]) {
     for (int c = 0; c < 4; c++) {
         const float w = weight * f->weight[c], *from = images + f->texel[c] * K;
@@ -64,8 +63,8 @@ ENC_CLONES static float square_of(const float a[K], const float b[K]) {
     return sum;
 }
 
-/* Squared error of view number i at a texel of its image, with another height of one texel of the surface.
- */
+/* Squared error of view number i at a texel of its image, with another height of one texel of the
+ * surface. */
 static float error_at(const descent *d, int i, size_t pixel, size_t changed, int32_t height) {
     const enc_seen_view *s = &d->seen->of[i];
     enc_seen_point point;
@@ -131,7 +130,7 @@ static double variation_of(const enc_warp *w, const size_t around[4], int32_t he
     return variation * sum / ENC_WARP_ONE;
 }
 
-/* The change of the squared errors if a texel had another height. */
+/* By how much the squared errors would grow if a texel had another height. */
 static double added_error(const descent *d, size_t texel, int32_t height, rays *r) {
     const int32_t before = d->warp->heights[texel], step = march_step(d->warp);
     const int32_t low = (before < height ? before : height) - step,
@@ -148,7 +147,7 @@ static double added_error(const descent *d, size_t texel, int32_t height, rays *
     return sum;
 }
 
-/* The best height of a texel. */
+/* Finds the best height of a texel: its own, one of `steps` above or below that, or a neighbour's. */
 static int32_t try_heights(const descent *d, size_t texel, const int32_t steps[3], rays *r) {
     const enc_warp *w = d->warp;
     const int32_t before = w->heights[texel];
@@ -181,7 +180,7 @@ static int32_t try_heights(const descent *d, size_t texel, const int32_t steps[3
     return best;
 }
 
-/* Fills in the errors of all texels of all views, as the heights stand; returns their sum. */
+/* Fills in the errors of all texels of all views at the present heights; returns their sum. */
 static double measure(descent *d) {
     double total = 0;
 #pragma omp parallel for schedule(dynamic) num_threads(d->context->threads)
@@ -196,7 +195,7 @@ static double measure(descent *d) {
     return total;
 }
 
-/* The texels of one phase: in every APART-th column and row. */
+/* Lists the texels of one phase, in every APART-th column and row; returns their number. */
 static size_t list_phase(const descent *d, int phase) {
     const int width = d->images->width, height = d->images->height;
     size_t count = 0;
@@ -247,7 +246,8 @@ static void sweep(descent *d, const int32_t steps[3], rays *work) {
     }
 }
 
-/* The march's ends, half a texel beyond the heights, and about half a texel a step. */
+/* Sets the ends of marches half a texel beyond the heights, and so many steps that each is about half a
+ * texel. */
 static void set_range(enc_warp *w, size_t texels) {
     int32_t low = w->heights[0], high = w->heights[0];
     for (size_t t = 1; t < texels; t++) {

@@ -12,8 +12,8 @@
 
 /* A further level of detail: errors of views left out that relief acts on, without it and with it, in
  * images of the next level. Neighbours of a view left out lie twice as far away as those of a direction
- * between samples, so that points are displaced by twice as much: in texels of twice the width by as many
- * as this level has in use. */
+ * between samples, and displace points by twice as much. Counted in texels of the next level, which are
+ * twice as wide, that is the displacement of this level in use. */
 typedef struct enc_relief_judged_level {
     enc_judged_error plain, moved;
     double gain; /* dB */
@@ -26,8 +26,8 @@ typedef struct enc_relief_end {
     enc_relief_judged_level level[BTF_MAX_LEVELS]; /* [level - 1] */
 } enc_relief_end;
 
-/* Judges the levels 1, 2, ... of `levels` in all along the surface that the file has there. Relief ends at
- * the first that does not gain ENC_RELIEF_LEVEL_MARGIN, or loses in linear or in sRGB-coded values; the
+/* Judges the levels 1, 2, ... of `levels` in all, with the surface that the file has at each. Relief ends
+ * at the first that does not gain ENC_RELIEF_LEVEL_MARGIN, or loses in linear or in sRGB-coded values; the
  * store's own end is not read. Stage steps: texels of the images. The same bits for any number of threads.
  * Memory: enc_relief_end_memory. Errors: those of the data; BTF_ERROR_MEMORY (not logged),
  * BTF_ERROR_INTERRUPTED. */

@@ -21,7 +21,7 @@ enum {
     MOST_QUARTERS = 2,
 };
 
-/* The lights that stand in for a light left out, as one neighbouring view has them. */
+/* The neighbours, and their weights, by which one neighbouring view predicts a light left out. */
 typedef struct near_lights {
     int index[3];
     float weight[3];
@@ -64,7 +64,8 @@ static near_lights *near_of(const gloss_job *g, int view, int neighbour, int lig
     return &g->near[((view * 3 + neighbour) * DRAWN_LIGHTS + light) * SHARES + share];
 }
 
-/* The lights around those of each neighbour, without light number `l`. */
+/* Finds, for each neighbour, the lights around the direction where it looks up light number `l`, which is
+ * left out. */
 static btf_result look_up(const gloss_job *g, int l) {
     const int left = g->light[l], count = g->data->n_lights;
     enc_direction *others = malloc((size_t)count * sizeof *others);
@@ -100,7 +101,7 @@ static btf_result look_up(const gloss_job *g, int l) {
     return result;
 }
 
-/* A view's profile at a texel. */
+/* Copies the profile of a texel in one view to `out`. */
 static btf_result profile_of(const gloss_job *g, size_t texel, int view, float *buffer, float *out) {
     const size_t n = 3 * (size_t)g->data->n_lights;
     const float *samples;
@@ -226,7 +227,7 @@ static btf_result judge(gloss_job *g, enc_gloss_choice *choice) {
     return result;
 }
 
-/* Views and lights that are left out, spread over those that can be. */
+/* Draws the views and lights to leave out, spread over those that can be. */
 static btf_result draw(gloss_job *g) {
     enc_left_out *left = malloc(sizeof *left);
     const btf_result result =

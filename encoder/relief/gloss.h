@@ -14,9 +14,9 @@ typedef struct enc_gloss_choice {
     bool judged;
     enc_judged_error error[ENC_GLOSS_SHARES];
     double best;  /* share, between the five by a parabola */
-    int quarters; /* chosen: a quarter more as long as linear and sRGB-coded values both gain
-                     ENC_GLOSS_MARGIN by it, so that neither pays for the other; 2 at most, since the gap is
-                     twice that of use */
+    int quarters; /* chosen: one more as long as linear and sRGB-coded values each gain ENC_GLOSS_MARGIN by
+                     it, so that neither pays for the other; 2 at most, since samples left out are twice as
+                     far from the others as in use */
 } enc_gloss_choice;
 
 #define ENC_GLOSS_MARGIN 0.2 /* dB that each quarter must gain */
@@ -25,8 +25,9 @@ typedef struct enc_gloss_choice {
 void enc_gloss_light(const float near[3], const float view[3], const float light[3], float share,
                      float out[3]);
 
-/* Judges the shares with a surface, seen with the bits of `relief_views` (NULL: with none). Errors: those
- * of the data and of enc_left_out_make, BTF_ERROR_MEMORY. */
+/* Judges the shares by views and lights left out. Views whose bit in `relief_views` is set are shifted
+ * along the surface `warp`; NULL: no view is. Errors: those of the data and of enc_left_out_make,
+ * BTF_ERROR_MEMORY. */
 btf_result enc_gloss_choose(const enc_context *context, const enc_data *data, const enc_seen *seen,
                             const enc_warp *warp, const uint8_t *relief_views,
                             enc_gloss_choice *out_choice);

@@ -15,7 +15,7 @@
 
 enum {
     K = ENC_RELIEF_NUMBERS,
-    DRAWN_PROFILES = 20000, /* of which means and components are found */
+    DRAWN_PROFILES = 20000, /* at most, from which means and components are found */
 };
 
 /* Added to variances, so that noise in dark images counts little: the square of about a code of 255. */
@@ -40,20 +40,21 @@ ENC_CLONES static void project(size_t n, const float *basis, const float *profil
     memcpy(out, sum, sizeof sum);
 }
 
-/* Turns roots into the numbers of a kind: (root - mean) * scale, times the basis. */
+/* What turns roots into the numbers of a kind: (root - mean) * scale, times the basis. */
 typedef struct maker {
     float *basis;        /* [n][K], n lights and channels */
     float *mean, *scale; /* [view][n] */
 } maker;
 
-/* Roots of a texel in all views, shifted and scaled as the kind is. */
+/* Shifts and scales the roots of a texel in all views as the kind asks. */
 static void to_kind(size_t stride, const maker *m, const float *roots, float *out) {
     for (size_t i = 0; i < stride; i++) {
         out[i] = (roots[i] - m->mean[i]) * m->scale[i];
     }
 }
 
-/* Roots of evenly drawn texels: rows of lights and channels, columns of texels and views. */
+/* Draws texels evenly and fills `rows` with their roots: a row for each channel and light, a column for
+ * each view and texel. */
 static btf_result draw_profiles(const enc_context *context, const enc_data *data, size_t texels,
                                 float *rows) {
     const size_t stride = enc_data_texel_stride(data), all = enc_data_texel_count(data);
@@ -160,7 +161,7 @@ static btf_result allocate(int width, int height, int n_views, enc_relief_images
     return out->of ? BTF_OK : BTF_ERROR_MEMORY;
 }
 
-/* The mean of the texels of the data that texel `t` covers, side x side of them. */
+/* Fills in texel `t` with the mean of the side x side texels of the data that it covers. */
 static btf_result fill_texel(const enc_context *context, const enc_data *data, int side,
                              const maker *makers, size_t t, float *work, const enc_relief_images *out) {
     const size_t stride = enc_data_texel_stride(data), n = 3 * (size_t)data->n_lights;

@@ -1,4 +1,5 @@
-/* Judges a surface: views left out are predicted from the others with it and without, in true values.
+/* Judges a surface: views left out are predicted from the others with it and without, and compared in
+ * radiance.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -16,9 +17,9 @@ typedef struct enc_judged {
 /* Bytes that such images take at most. */
 uint64_t enc_judged_bytes(int width, int height, int n_views);
 
-/* Images of a level of detail, in linear radiance the means of what its texels cover; level 0: as they are.
- * Stage steps: the level's texels. The same bits for any number of threads. Errors: those of the data,
- * BTF_ERROR_MEMORY (not logged), BTF_ERROR_INTERRUPTED. */
+/* Makes the images of a level of detail, each texel the mean, in linear radiance, of those that it covers;
+ * level 0: the samples as they are. Stage steps: the level's texels. The same bits for any number of
+ * threads. Errors: those of the data, BTF_ERROR_MEMORY (not logged), BTF_ERROR_INTERRUPTED. */
 btf_result enc_judged_create(const enc_context *context, const enc_data *data, int level,
                              enc_judged *out_judged);
 void enc_judged_clear(enc_judged *judged);
@@ -31,8 +32,9 @@ typedef struct enc_judged_error {
 /* dB, mean of linear and sRGB-coded, that b gains over a. */
 double enc_judged_gain(enc_judged_error a, enc_judged_error b);
 
-/* The error of each view left out, out [seen->count], at drawn texels, by fetches of whole texels, which
- * gain less than filtered ones, and blended roots. The same bits for any number of threads. */
+/* Finds the error of each view left out, out [seen->count], at drawn texels. Roots are blended, and whole
+ * texels fetched, by which relief gains less than by filtered fetches. The same bits for any number of
+ * threads. */
 void enc_judge_surface(const enc_context *context, const enc_judged *judged, const enc_seen *seen,
                        const enc_warp *warp, enc_judged_error *out);
 

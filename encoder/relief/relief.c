@@ -24,13 +24,14 @@ enum {
 
 /* RELIEF.md has what was measured with these. */
 static const double least_theta = 10, most_theta = 65; /* of views that heights are found from */
-static const double texels_a_step = 1.6;               /* of a march along the steepest ring */
+static const double texels_a_step = 1.6;               /* that each step of a march passes over, seen from the
+                                                          steepest ring */
 static const double constant_margin = 0.1; /* dB that a map must gain over the best single height */
 
 static const double scales[] = {0, 0.25, 0.5, 0.75, 1, 0.5, 0.75, 1};
 enum { FIRST_CONSTANT = 5, DRAWN_IN = 8 };
 
-/* The number of times that images are halved for the estimate: while they are large and their sides even. */
+/* How many times images are halved for the estimate: as long as they are large and their sides even. */
 static int shift_of(int width, int height) {
     int shift = 0;
     while ((width >> shift) * (height >> shift) > ESTIMATE_TEXELS && (width >> shift) % 2 == 0 &&
@@ -181,13 +182,13 @@ static uint32_t steps_for(const relief_job *j, int32_t range, const uint8_t *vie
                                           : (uint32_t)steps;
 }
 
-/* The height of a texel of a map. */
+/* The height of a texel in the map of a candidate. */
 static int32_t height_of(const relief_job *j, const enc_relief_candidate *c, size_t texel) {
     const float z = j->height[texel], drawn = fminf(fmaxf(z, j->low), j->high);
     return bounded(c->scale * (double)(c->drawn_in ? drawn : z));
 }
 
-/* The surface of a candidate as files have it. */
+/* Makes the surface of a candidate as files hold it. */
 static btf_result make_store(const relief_job *j, const enc_relief_candidate *c, const uint8_t *views,
                              enc_relief_store *out) {
     const size_t texels = enc_data_texel_count(j->data);
@@ -223,7 +224,8 @@ static btf_result make_store(const relief_job *j, const enc_relief_candidate *c,
     return BTF_OK;
 }
 
-/* Rings of views: as far apart as half a degree, or bands of the hemisphere where there are too many. */
+/* Sorts views into rings, of which a new one begins where theta rises by more than half a degree; into
+ * bands of the hemisphere where rings are too many. Returns their number. */
 static int find_rings(relief_job *j) {
     const enc_direction *views = j->data->views;
     int rings = 0;
@@ -315,7 +317,7 @@ static btf_result judge_candidate(relief_job *j, int number, enc_relief_choice *
     return result;
 }
 
-/* The map, and the single height, that gain most; 0: none gains. */
+/* Finds the map and the single height that gain most; 0: none gains. */
 static void find_best(const enc_relief_choice *choice, int best[2]) {
     best[0] = best[1] = 0;
     for (int k = 1; k < ENC_RELIEF_CANDIDATES; k++) {
@@ -349,7 +351,8 @@ static btf_result decide(relief_job *j, enc_relief_choice *choice, enc_relief_st
     }
     int best[2];
     find_best(choice, best);
-    /* A few high and low texels are often noise, and take steps from the rest. */
+    /* The few highest and lowest texels are often noise, and make the march's steps coarser for all
+     * others. */
     if (result == BTF_OK && best[0] > 0) {
         choice->candidate[DRAWN_IN] =
             (enc_relief_candidate){.scale = choice->candidate[best[0]].scale, .drawn_in = true};
@@ -411,7 +414,7 @@ static btf_result choose_relief(relief_job *j, int levels, enc_relief_choice *ch
     return result;
 }
 
-/* Why relief is not tried; NULL: it is. */
+/* Returns why relief is not tried; NULL: it is. */
 static const char *obstacle(const relief_job *j, const enc_relief_options *options) {
     const enc_data *d = j->data;
     const uint64_t held = 4 * (uint64_t)enc_data_texel_count(d) * enc_data_texel_stride(d);

@@ -21,18 +21,19 @@ typedef struct enc_seen {
     enc_seen_view of[ENC_MAX_DIRECTIONS];
 } enc_seen;
 
-/* All views that can be left out with a theta of least to most degrees. Errors: those of enc_left_out_make.
- */
+/* All views that can be left out with a theta of least to most degrees. Errors: those of
+ * enc_left_out_make. */
 btf_result enc_seen_make(const enc_context *context, const enc_direction *views, int count,
                          double least_theta, double most_theta, enc_seen *out_seen);
 
-/* Where the neighbours show the point that one texel of the view shows, and their weights. */
+/* The places where the neighbours show the point that a texel of the view shows, and their weights. */
 typedef struct enc_seen_point {
     int32_t at[3][2];
     int32_t weight[3]; /* sum ENC_WARP_WEIGHT */
 } enc_seen_point;
 
-/* `changed`: a texel whose height is taken to be `height` whatever the surface says; SIZE_MAX: none. */
+/* enc_warp_march with one texel, `changed`, taken to have the height `height` whatever the surface says;
+ * SIZE_MAX: none. */
 static inline int32_t enc_seen_march(const enc_warp *w, int32_t u, int32_t v, const int32_t slope[2],
                                      size_t changed, int32_t height) {
     if (!w->heights) {

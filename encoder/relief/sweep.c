@@ -32,7 +32,8 @@ typedef struct volume {
     int views, view[ENC_MAX_DIRECTIONS];
     int32_t slope[ENC_MAX_DIRECTIONS][2];
     float *mean;     /* [view of the images][K] */
-    float weight[K]; /* of a product of numbers */
+    float weight[K]; /* of a product of numbers: variance^(-1/4), so that the leading component does not
+                        decide alone; on which data the power was chosen is not recorded */
     enc_warp plane;
     float *cost; /* [texel][height]: 1 - correlation */
 } volume;
@@ -64,7 +65,8 @@ static void find_means(volume *s) {
     }
 }
 
-/* Correlation of the texel `own`, about the mean, with the numbers that view number i shows at a height. */
+/* Correlates a texel's numbers less their mean, `own`, with the numbers that view number i shows if the
+ * texel has height z. */
 static float correlation(const volume *s, int i, const int32_t at[2], int32_t z, const float own[K],
                          float own_square) {
     const int v = s->view[i];
@@ -100,8 +102,8 @@ static int falling(const void *a, const void *b) {
     return (x < y) - (x > y);
 }
 
-/* The mean correlation of the better half of the views, so that those that do not show the texel do not
- * count. */
+/* Fills in the cost of each height: 1 less the mean correlation of the better half of the views, so that
+ * those from which the texel is hidden do not count. */
 static void fill_costs(const volume *s, size_t texel) {
     float own[K], own_square = 0, of[ENC_MAX_DIRECTIONS];
     const float *top = enc_relief_numbers(s->images, s->top_view, texel);

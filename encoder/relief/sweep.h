@@ -1,4 +1,4 @@
-/* A first guess of heights: a plane sweep along the views, and semi-global matching.
+/* A first guess of heights: a plane sweep along the views (Collins 1996), and semi-global matching.
  *
  * SPDX-License-Identifier: MIT
  */

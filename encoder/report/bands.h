@@ -19,7 +19,7 @@ typedef struct enc_bands {
  * between rings, the first at the pole, the last on the outermost ring. */
 enc_bands enc_bands_make(const enc_direction *directions, int count);
 
-/* The directions of a band, indices in rising order; returns how many. */
+/* Lists the directions of a band, indices in rising order; returns how many there are. */
 int enc_bands_members(const enc_bands *bands, int band, const enc_direction *directions, int count,
                       int out_members[ENC_MAX_DIRECTIONS]);
 

@@ -36,7 +36,7 @@ static void add(enc_error_sum *to, const enc_error_sum *from) {
     to->count += from->count;
 }
 
-/* Two images of n floats; `coded` is room for both, sRGB-coded for SSIM. */
+/* Compares two images of n floats; `coded` has room for both, sRGB-coded, of which SSIM is taken. */
 static void compare(size_t n, const float *truth, const float *model, float *coded, enc_ssim *ssim,
                     enc_between_pair *out) {
     out->error = (enc_error_sum){.count = (double)n};
@@ -58,7 +58,7 @@ static size_t block_size(const enc_context *context, const enc_pairs *pairs) {
     return fit < 1 ? 1 : fit < pairs->count ? fit : pairs->count;
 }
 
-/* The errors of a block of pairs, all images of which are at hand. */
+/* Finds the errors of a block of pairs, whose images are all in memory. */
 static btf_result compare_block(const enc_context *context, const enc_pairs *pairs, size_t count,
                                 const float *truth, const float *model, bool with_ssim,
                                 enc_between_pair *out) {
@@ -335,7 +335,8 @@ static btf_result make_sheet(const enc_context *context, const enc_pairs *pairs,
     return result;
 }
 
-/* |a - b| of sRGB-coded values, into a, as the linear values that a canvas shows so. */
+/* Replaces a by ENC_ERROR_GAIN |a - b| of sRGB-coded values, decoded to linear ones, since a canvas codes
+ * what it draws. */
 static void make_error(size_t n, float *a, const float *b) {
     for (size_t i = 0; i < n; i++) {
         const float coded = fabsf(enc_srgb_encode(a[i]) - enc_srgb_encode(b[i])) * ENC_ERROR_GAIN;
@@ -357,7 +358,8 @@ static void draw_row(sheet *s, size_t row, const enc_pairs *pairs, size_t p,
     enc_canvas_image(&s->canvas, MARGIN + 2 * s->cell_width, y, s->zoom, w, h, truth);
 }
 
-/* Rows of the sheet stand by rising PSNR, images are read by rising index. */
+/* Draws the rows of the sheet, which stand by rising PSNR, in the order of the images, which are read by
+ * rising index. */
 static btf_result draw_rows(const enc_context *context, const enc_pairs *pairs, const enc_between *b,
                             enc_pair_images model, size_t rows, sheet *s) {
     const size_t n = 3 * (size_t)pairs->width * (size_t)pairs->height;

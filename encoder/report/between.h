@@ -12,14 +12,14 @@
 
 #include <stdio.h>
 
-/* Gives the images that are compared with the truth, at pairs first .. first + count - 1, out[pair][texel][3].
- * Called from one thread, which it may multiply. */
+/* Gives the images that are compared with the truth, at pairs first .. first + count - 1,
+ * out[pair][texel][3]. Called from one thread; it may use context->threads itself. */
 typedef btf_result (*enc_pair_images_fn)(const enc_context *context, const void *user,
                                          const enc_pair *pairs, size_t count, float *out);
 typedef struct enc_pair_images {
     enc_pair_images_fn images;
     const void *user;
-    const enc_direction *views, *lights; /* its sampled directions */
+    const enc_direction *views, *lights; /* the sampled directions of what is compared */
     int n_views, n_lights;
 } enc_pair_images;
 
@@ -30,7 +30,7 @@ typedef struct enc_between_pair {
     double view_gap, light_gap; /* degrees from the view and the light to the nearest sample */
 } enc_between_pair;
 
-/* Pairs whose quantity lies in low <= x < high, degrees. */
+/* The pairs of which an angle x lies in low <= x < high, degrees. */
 typedef struct enc_between_band {
     double low, high;
     size_t pairs;
@@ -39,7 +39,7 @@ typedef struct enc_between_band {
 } enc_between_band;
 
 enum { ENC_BETWEEN_BANDS = 8 };
-/* The angles that bands divide. */
+/* The angles that pairs are divided by. */
 typedef enum enc_between_by {
     ENC_BY_VIEW_THETA,
     ENC_BY_LIGHT_THETA,
@@ -66,7 +66,7 @@ btf_result enc_between_measure(const enc_context *context, const enc_pairs *pair
                                bool with_ssim, enc_between **out_between);
 void enc_between_destroy(enc_between **between);
 
-/* Tables for people: totals, bands, the `worst` worst pairs. */
+/* Prints tables for people: totals, bands, the `worst` worst pairs. */
 void enc_between_print(const enc_between *between, const enc_pairs *pairs, size_t worst, FILE *out);
 
 /* {"linear", "srgb", "ssim", "pairs": count, "bands": {"view_theta": [{"low", "high", "pairs", "linear",
@@ -74,9 +74,9 @@ void enc_between_print(const enc_between *between, const enc_pairs *pairs, size_
  * "light", "view_gap", "light_gap", "linear", "srgb", "ssim"}...]} under `key`. */
 void enc_between_json(json *j, const char *key, const enc_between *between, const enc_pairs *pairs);
 
-/* The `worst` worst pairs as a PNG, a row each: the truth, the model, their error (ENC_ERROR_GAIN times, of
- * sRGB-coded values). Reads these images again: `path_of_pairs` and `options` are what the pairs were
- * opened with. Errors: as enc_between_measure, BTF_ERROR_IO. */
+/* Draws the `worst` worst pairs as a PNG, a row for each: the truth, the model, their error (ENC_ERROR_GAIN
+ * times, of sRGB-coded values). Reads these images again: `path_of_pairs` and `options` are what the pairs
+ * were opened with. Errors: as enc_between_measure, BTF_ERROR_IO. */
 btf_result enc_between_picture(const enc_context *context, const char *path_of_pairs,
                                const enc_read_options *options, const enc_between *between,
                                enc_pair_images model, size_t worst, const char *path);

@@ -36,7 +36,8 @@ static btf_result measure_one(const job *j, size_t index, double *sums) {
     return result;
 }
 
-/* Draws first .. first + n - 1, of which each rank makes its own: sums[draw][length]. */
+/* Finds the sums of draws first .. first + n - 1, of which each rank makes its share:
+ * sums[draw][length]. */
 static btf_result measure_batch(const job *j, size_t first, size_t n, double *sums) {
     btf_result result = BTF_OK;
     size_t begin, end;

@@ -20,7 +20,7 @@
 #include <string.h>
 
 enum {
-    MOST_SETS = 32 + 3 + 1,        /* of effects: see make_variants */
+    MOST_SETS = 32 + 3 + 1,        /* subsets of effects: see make_variants */
     MOST_VARIANTS = MOST_SETS * 5, /* kinds */
     MOST_TEXELS = 512,
     MOST_PAIRS = 16,
@@ -47,7 +47,7 @@ typedef struct variant {
     kind kind;
     uint32_t components[MOST_COUNTS];
     double gpu_bytes[MOST_COUNTS];
-    size_t count, first; /* of components; first: number of its first row */
+    size_t count, first; /* numbers of components; first: the number of its first row */
 } variant;
 
 /* The row of a variant with its i-th number of components: rows of all kinds stand together. */
@@ -62,14 +62,16 @@ typedef struct job {
     enc_bands views, lights;
     variant *variants;
     size_t n_variants, n_rows, cells;
-    int levels;           /* that are measured: as many as a table has rows for */
+    int levels;           /* levels that are measured: as many as a table has rows for */
     uint32_t all_effects; /* of the file */
-    bool differences;     /* to the variants that decode everything: summed behind the errors */
+    bool differences;     /* whether differences from the variants that decode everything are summed too,
+                             after the errors */
     size_t samples;       /* of the data, level 0 */
-    size_t texels, pairs; /* of the level at hand; pairs: directions a texel and pair of bands */
+    size_t texels, pairs; /* drawn of the present level; pairs: of directions, for each texel and pair of
+                             bands */
     const btf_material *packed;
-    float *rows;            /* of the level at hand */
-    float *difference_rows; /* the next */
+    float *rows;            /* errors of the present level, row by row */
+    float *difference_rows; /* where the next row of differences goes */
 } job;
 
 /* Effects that change anything: without an SBRDF and without a residual, sources are black. */
@@ -102,13 +104,13 @@ static void add_way(job *j, const btf_material_info *info, uint32_t effects, con
     j->n_rows += count * KINDS;
 }
 
-/* All subsets of the effects present, with relief and gloss, for the data that errors are measured against,
- * interpolated between the samples, know nothing of the two, so that each would seem to harm: what they are
- * worth the table of errors between the samples tells (leave_one_out.h). Without either, all else is measured
- * once, which says what leaving it out changes against these data: three sets beside the 32 of the other effects, and the
- * empty one. Of factors every
- * number of units, where there are 16 at most: one evaluation gives them all. Of components, and of more units, all,
- * seven eighths, three quarters, a half, ... an eighth, and the fewest two, in whole groups of four. */
+/* Makes the variants of all subsets of the other effects together with relief and gloss. Errors are
+ * measured against the data interpolated between the samples, which know nothing of these two, so that each
+ * would seem to harm; the table of errors between the samples tells what they are worth (leave_one_out.h).
+ * What changes without one of them, or both, is measured once with all other effects: three sets besides
+ * the 32 subsets and the empty one. Of up to 16 units of factors every number is measured, since one
+ * evaluation gives them all. Of more units, and of components in groups of four: all, all but one or one
+ * group, 7, 6, 4, 3, 2 and 1 eighths, and the fewest two. */
 static void make_variants(job *j, const btf_material_info *info) {
     const uint32_t group = info->store == BTF_STORE_FACTORS ? 1 : 4;
     const uint32_t between = info->effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS);
@@ -186,7 +188,7 @@ static float clip(float x) {
     return x > 0 ? (x < 1 ? x : 1.0f) : 0.0f;
 }
 
-/* Two directions, their neighbours, and the truth of the data there. */
+/* A light and a view, their neighbours, and the value of the data there. */
 typedef struct pair {
     float light[3], view[3];
     enc_evaluated_neighbours around;
@@ -198,7 +200,7 @@ static void look_up_pair(const job *j, const float *profiles, pair *p) {
     interpolate(j->data, profiles, &p->around.views, &p->around.lights, p->truth);
 }
 
-/* Adds squared differences, linear and sRGB-coded; a_srgb is a, coded. */
+/* Adds the squared differences of a and b, linear and sRGB-coded; a_srgb is a, sRGB-coded. */
 static void add_squares(const float a[3], const float a_srgb[3], const float b[3], double sum[2]) {
     for (int c = 0; c < 3; c++) {
         const double linear = (double)clip(b[c]) - clip(a[c]);
@@ -214,8 +216,8 @@ static void encode_srgb(const float rgb[3], float out[3]) {
     }
 }
 
-/* One texel under a pair of directions for each kind: adds squared errors, linear and sRGB-coded, of each
- * row: sum[row][cell][2]; rgb [variant][MOST_COUNTS]: what they show. */
+/* Decodes one texel by every variant, under the pair of directions of its kind, to rgb
+ * [variant][MOST_COUNTS], and adds the squared errors, linear and sRGB-coded: sum[row][cell][2]. */
 static void add_errors(const job *j, enc_evaluated_texel *texel, const pair pairs[KINDS],
                        float (*rgb)[MOST_COUNTS][3], double *sum) {
     for (size_t w = 0; w < j->n_variants; w++) {
@@ -231,8 +233,8 @@ static void add_errors(const job *j, enc_evaluated_texel *texel, const pair pair
     }
 }
 
-/* Adds squared differences to the variants that decode everything, whose rows come last: sum[row][cell][2]. Nearest
- * directions are compared with interpolated ones. */
+/* Adds the squared differences of all variants from those that decode everything, whose rows come last:
+ * sum[row][cell][2]. Variants by nearest directions are compared with what interpolation shows. */
 static void add_differences(const job *j, float (*rgb)[MOST_COUNTS][3], double *sum) {
     const size_t full = j->n_variants - KINDS;
     for (size_t w = 0; w < j->n_variants; w++) {
@@ -246,7 +248,8 @@ static void add_differences(const job *j, float (*rgb)[MOST_COUNTS][3], double *
     }
 }
 
-/* Both of one pair: sum[2][row][cell][2], the second half only where differences are asked for. */
+/* Adds errors and differences of a texel under one pair of each kind: sum[2][row][cell][2], the second half
+ * only where differences are asked for. */
 static void measure_pair(const job *j, enc_evaluated_texel *texel, const pair pairs[KINDS], double *sum) {
     float rgb[MOST_VARIANTS][MOST_COUNTS][3];
     add_errors(j, texel, pairs, rgb, sum);
@@ -255,7 +258,8 @@ static void measure_pair(const job *j, enc_evaluated_texel *texel, const pair pa
     }
 }
 
-/* All pairs of directions of one texel: sum as measure_pair has it. Errors: BTF_ERROR_MEMORY. */
+/* Measures one texel under all its pairs of directions; `sum` is that of measure_pair. Errors:
+ * BTF_ERROR_MEMORY. */
 static btf_result measure_texel(const void *user, size_t index, size_t texel, const float *profiles,
                                 double *sum) {
     const job *j = user;
@@ -287,8 +291,9 @@ static btf_result measure_texel(const void *user, size_t index, size_t texel, co
     return BTF_OK;
 }
 
-/* Texels and pairs of directions so that all rows take at most `evaluations`, and no more than the data are worth, whatever
- * the level: a coarse one has few texels, but as many directions between the samples. */
+/* Chooses texels and pairs of directions so that all rows take at most `evaluations`, and no more than half
+ * as many as level 0 has samples, for every level: a coarse one has few texels, but as many directions
+ * between the samples. */
 static void choose_samples(job *j, size_t evaluations) {
     const size_t count = enc_data_texel_count(j->data);
     const size_t enough = j->samples / 2 > LEAST_EVALUATIONS ? j->samples / 2 : LEAST_EVALUATIONS;
@@ -305,8 +310,8 @@ static void choose_samples(job *j, size_t evaluations) {
     }
 }
 
-/* Mean squared errors of some variants: out[row][cell][2], and behind them the differences where they are asked for.
- * Errors: BTF_ERROR_MEMORY, those of the data. */
+/* Measures the mean squared errors of some variants: out[row][cell][2], and after them the differences
+ * where they are asked for. Errors: BTF_ERROR_MEMORY, those of the data. */
 static btf_result measure_means(const job *j, double **out) {
     const size_t length = (j->differences ? 4 : 2) * j->n_rows * j->cells;
     *out = calloc(length, sizeof **out);
@@ -369,7 +374,7 @@ static size_t steps_of(int level) {
     return level > 0 ? 1 : 2;
 }
 
-/* A row of a table, of the variant's n-th number of components; returns its end. */
+/* Writes the row of a table for the variant's n-th number of components; returns its end. */
 static float *write_row(const job *j, const variant *v, size_t n, int level, const double *mean,
                         float *row) {
     const double *of_row = mean + 2 * row_of(v, n) * j->cells;
@@ -393,8 +398,9 @@ static void write_rows(const job *j, int level, const double *mean) {
     }
 }
 
-/* Whether there is a row of differences of a kind. Where view and light are samples, the data say more; of coarser levels,
- * to save bytes, only between the samples, by interpolated directions. */
+/* Whether the table of differences has a row of this kind. There is none where view and light are samples,
+ * since errors against the data say more there; coarser levels, to save bytes, have one between the samples
+ * alone, by interpolated directions. */
 static bool has_differences(int level, kind kind) {
     return level > 0 ? kind == INTERPOLATED : kind != AT_SAMPLES;
 }
@@ -436,7 +442,7 @@ static btf_result measure_level(void *user, int level, const enc_data *data) {
     return result;
 }
 
-/* Makes the tables' memory and writes their heads. False when out of memory. */
+/* Makes room for the tables and writes their heads. False when out of memory. */
 static bool make_tables(job *j, const btf_material_info *info, enc_effect_tables *out) {
     const size_t head = 4 + (size_t)(j->views.count + j->lights.count), length = ROW_HEAD + 2 * j->cells;
     j->variants = calloc(MOST_VARIANTS, sizeof *j->variants);
@@ -453,7 +459,7 @@ static bool make_tables(job *j, const btf_material_info *info, enc_effect_tables
     }
     j->rows = enc_bands_write(&j->views, &j->lights, out->errors);
     if (j->variants[j->n_variants - KINDS].options.effects != j->all_effects) {
-        return true; /* effects that do nothing: what decodes everything is not among the variants */
+        return true; /* the file has effects that do nothing, so that no variant decodes everything */
     }
     out->difference_count = head + j->n_rows / KINDS * (KINDS - 2 + (size_t)j->levels) * length;
     out->differences = malloc(out->difference_count * sizeof *out->differences);

@@ -19,7 +19,7 @@ typedef struct enc_effect_tables {
 } enc_effect_tables;
 void enc_effect_tables_clear(enc_effect_tables *tables);
 
-/* The most evaluations of a level, but for those of the variants that decode everything. */
+/* The most evaluations of a level, without those of the variants that decode everything. */
 #define ENC_EFFECT_EVALUATIONS(level) ((level) == 0 ? 3000000 : 1500000)
 
 /* Decodes the packed material by the reference at directions spread over each pair of bands and compares with the

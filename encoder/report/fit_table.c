@@ -33,7 +33,8 @@ const char *enc_fit_text(const enc_fit_choice *choice, char text[ENC_FIT_TEXT]) 
     return text;
 }
 
-/* The errors that are expected of candidate k, coded; at the samples the chosen one was measured. */
+/* Finds the errors that are expected of candidate k once it is coded; for the chosen one, the error at the
+ * samples was measured. */
 static void coded(const enc_fit_choice *choice, int k, enc_fit_error measured, enc_fit_error *out_at,
                   enc_fit_error *out_between) {
     const enc_fit_error coder = enc_fit_coder_measured(choice, measured);

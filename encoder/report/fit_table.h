@@ -12,11 +12,11 @@
 
 enum { ENC_FIT_TEXT = 48 };
 
-/* "1,0.3": the kappas of views and lights that were chosen; "none". */
+/* The kappas of views and lights that were chosen, as "1,0.3"; else "none". */
 const char *enc_fit_text(const enc_fit_choice *choice, char text[ENC_FIT_TEXT]);
 
-/* A table for people: every candidate at the samples and between them. measured: squared error at the samples of
- * the material that was encoded. Prints nothing where no candidate could be judged. */
+/* Prints a table for people: every candidate at the samples and between them. measured: the squared error
+ * at the samples of the material that was encoded. Prints nothing where no candidate could be judged. */
 void enc_fit_print(const enc_fit_choice *choice, enc_fit_error measured, FILE *out);
 
 /* {"chosen", "best": index, taken and worth most; "coder_linear", "coder_srgb": dB at the samples that were foreseen of

@@ -19,11 +19,11 @@
 
 enum { SUMS = 8, WITHOUT_RELIEF = 4, WITHOUT_GLOSS = 8 /* in the numbers of rows */ };
 
-/* The directions of a band that are drawn from: those that can be left out, or where there are none, all.
- */
+/* The directions of a band from which pairs are drawn: those that can be left out, or all where none
+ * can. */
 typedef struct pool {
     int count, member[ENC_MAX_DIRECTIONS]; /* in the list */
-    bool can_leave; /* the others surround a member: `near` has its neighbours among them */
+    bool can_leave; /* each member lies among the other directions, and `near` has its neighbours there */
     btf_ref_neighbours near[ENC_MAX_DIRECTIONS];
 } pool;
 
@@ -32,12 +32,12 @@ typedef struct job {
     const enc_data *data;
     const enc_evaluator *material; /* or NULL */
     const btf_material *packed;    /* or NULL */
-    bool relief;                   /* it holds relief, which acts on the level at hand */
+    bool relief;                   /* it holds relief, which acts on the present level */
     enc_left_out_lights *gloss;    /* or NULL: it holds no gloss */
     int view_bands, light_bands;
     size_t cells; /* pairs of bands */
     pool views[BTF_MAX_BANDS], lights[BTF_MAX_BANDS];
-    size_t texels, pairs;   /* pairs: of a texel in a cell */
+    size_t texels, pairs;   /* pairs: drawn for a texel in a cell */
     enc_leave_one_out *out; /* [levels] */
 } job;
 
@@ -76,7 +76,7 @@ static void add_error(const float truth[3], const float found[3], double sum[2])
     }
 }
 
-/* Samples of a texel, [view][channel][light], weighted. */
+/* Interpolates the samples of a texel, [view][channel][light], at a pair. */
 static void interpolate(const enc_data *data, const float *samples, const pair *p, float out[3]) {
     const size_t lights = (size_t)data->n_lights;
     for (size_t c = 0; c < 3; c++) {
@@ -91,7 +91,8 @@ static void interpolate(const enc_data *data, const float *samples, const pair *
     }
 }
 
-/* Adds the error of the material with some effects. lights: of each of the views; NULL: no gloss. */
+/* Decodes the material with some effects and adds its error. lights: those of each neighbouring view; NULL:
+ * no gloss. */
 static void decode_pair(const job *j, enc_evaluated_texel *texel, const pair *p,
                         const btf_ref_neighbours *lights, uint32_t effects, const float truth[3],
                         double sum[2]) {
@@ -108,8 +109,8 @@ static void decode_pair(const job *j, enc_evaluated_texel *texel, const pair *p,
     add_error(truth, found[0], sum);
 }
 
-/* One sample, predicted: sum[0..1] of the data, sum[2..3] of the material, sum[4..5] and sum[6..7] of it without
- * relief and without gloss, which act where a view is left out. */
+/* Predicts one sample and adds the errors: sum[0..1] of the data, sum[2..3] of the material, sum[4..5] and
+ * sum[6..7] of the material without relief and without gloss, which act where a view is left out. */
 static void measure_pair(const job *j, enc_evaluated_texel *texel, const float *samples, const pair *p,
                          int left, double *sum) {
     const enc_data *data = j->data;
@@ -137,8 +138,8 @@ static void measure_pair(const job *j, enc_evaluated_texel *texel, const float *
     }
 }
 
-/* A pair and its neighbours among the others. A light that stood elsewhere than its direction says shows
- * no truth of it: another is taken, unless chance will have none. */
+/* Draws a pair, and finds its neighbours among the other directions. A light that stood elsewhere than its
+ * direction says gives no truth there, so that another is drawn, eight times at most. */
 static pair pick_pair(const job *j, size_t cell, uint64_t seed) {
     const enc_moved_light *moved = j->data->moved_light;
     pair p;
@@ -152,7 +153,7 @@ static pair pick_pair(const job *j, size_t cell, uint64_t seed) {
     return p;
 }
 
-/* One texel in one pair of bands: sums[left out][SUMS]. */
+/* Adds the errors of one texel in one pair of bands: sums[left out][SUMS]. */
 static void measure_cell(const job *j, enc_evaluated_texel *texel, const float *samples, size_t cell,
                          uint64_t seed, double *sums, size_t stride) {
     const pool *views = &j->views[cell / (size_t)j->light_bands];
@@ -171,7 +172,7 @@ static void measure_cell(const job *j, enc_evaluated_texel *texel, const float *
     }
 }
 
-/* All pairs of one texel: sums[left out][cell][SUMS]. Errors: BTF_ERROR_MEMORY. */
+/* Adds the errors of all pairs of one texel: sums[left out][cell][SUMS]. Errors: BTF_ERROR_MEMORY. */
 static btf_result measure_texel(const void *user, size_t index, size_t texel, const float *samples,
                                 double *sums) {
     const job *j = user;
@@ -199,7 +200,7 @@ static void add_mean(enc_left_out_errors *to, const enc_left_out_errors *from, d
     to->no_gloss.srgb += share * from->no_gloss.srgb;
 }
 
-/* Means of one cell of the sums over all texels. */
+/* Turns the sums of one cell over all texels into means. */
 static enc_left_out_errors cell_errors(const job *j, const double *sums, int left, size_t cell) {
     const double *all = sums + ((size_t)left * j->cells + cell) * SUMS;
     const double count = 3.0 * (double)(j->texels * j->pairs);
@@ -216,7 +217,8 @@ static enc_left_out_errors cell_errors(const job *j, const double *sums, int lef
     return e;
 }
 
-/* The cells, and their mean: each counts by the pairs that it has. */
+/* Fills in the errors of the cells, and their mean, in which each counts by the number of its pairs of
+ * directions. */
 static void sum_up(const job *j, const double *sums, enc_leave_one_out *out) {
     for (int left = ENC_LEFT_VIEW; left <= ENC_LEFT_BOTH; left++) {
         double pairs = 0;
@@ -241,7 +243,7 @@ static void sum_up(const job *j, const double *sums, enc_leave_one_out *out) {
     }
 }
 
-/* The pool that each band draws from. *out_count: directions that can be left out. */
+/* Makes the pool that each band draws from. *out_count: how many directions can be left out. */
 static btf_result make_pools(const enc_context *context, const enc_direction *directions, int count,
                              const enc_bands *bands, pool *pools, int *out_count) {
     enc_left_out *left = malloc(sizeof *left);
@@ -267,7 +269,8 @@ static btf_result make_pools(const enc_context *context, const enc_direction *di
     return result;
 }
 
-/* What all levels share: the directions that can be left out, and the lights of gloss without each of them. */
+/* Prepares what all levels share: the directions that can be left out, and the lights of gloss without each
+ * of them. */
 static btf_result prepare(job *j) {
     const enc_data *data = j->data;
     enc_leave_one_out *out = &j->out[0];
@@ -363,7 +366,7 @@ static float *write_error(const enc_error_sum *error, float *out) {
     return out;
 }
 
-/* The error of a row that leaves an effect out, or none. */
+/* The error that a row of the table gives: without relief, without gloss, or with all effects. */
 static const enc_error_sum *error_of_row(const enc_left_out_errors *e, int row) {
     return row & WITHOUT_GLOSS ? &e->no_gloss : row & WITHOUT_RELIEF ? &e->no_relief : &e->material;
 }

@@ -11,15 +11,15 @@
 
 typedef struct enc_left_out_lights enc_left_out_lights;
 
-/* Makes the lights for the directions of `data`, which must outlive it; share: of the half vector, in quarters. All lights
- * but one are triangulated for each. Errors: those of enc_interpolator_create, BTF_ERROR_MEMORY (not
- * logged). */
+/* Prepares look-ups for the directions of `data`, which must outlive them; share: of the half vector, in
+ * quarters. For each light, all others are triangulated. Errors: those of enc_interpolator_create,
+ * BTF_ERROR_MEMORY (not logged). */
 btf_result enc_left_out_lights_create(const enc_context *context, const enc_data *data, uint32_t share,
                                       enc_left_out_lights **out_lights);
 void enc_left_out_lights_destroy(enc_left_out_lights **lights);
 
-/* The lights of each neighbour of a view, for one of the data's lights; `left_out`: by the others alone.
- * Indices of the data's list. Thread-safe. */
+/* Finds the lights that each neighbour of a view looks up for one of the data's lights, as indices of the
+ * data's list; with `left_out`, among the other lights alone. Thread-safe. */
 void enc_left_out_lights_find(const enc_left_out_lights *lights, int view, const btf_ref_neighbours *views,
                               int light, bool left_out, btf_ref_neighbours out_lights[3]);
 

@@ -25,10 +25,11 @@ typedef struct enc_messages {
     bool lost; /* memory ran out, so that messages are missing */
 } enc_messages;
 
-/* A log that keeps and passes on; one message at a time, which enc_log() sees to. `messages` has to outlive it. */
+/* A log that keeps messages and passes them on. It takes one message at a time, which enc_log() sees to.
+ * `messages` has to outlive it. */
 btf_log enc_messages_log(enc_messages *messages);
 
-/* The member `key`: an array of objects of level ("warning", "information") and text. */
+/* Writes the member `key`: an array of objects of level ("warning", "information") and text. */
 void enc_messages_json(json *j, const char *key, const enc_messages *messages);
 
 /* Frees the messages. */

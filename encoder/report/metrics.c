@@ -47,7 +47,8 @@ static float clip(float x) {
     return x > 0 ? (x < 1 ? x : 1.0f) : 0.0f;
 }
 
-/* Errors of one image; codes the two in sRGB into `coded` (2 * n floats) for SSIM. */
+/* Finds the errors of one image; writes both, sRGB-coded, to `coded` (2 * n floats), of which SSIM is
+ * taken. */
 static enc_error_sum image_error(size_t n, const float *a, const float *b, float *coded) {
     enc_error_sum sum = {.count = (double)n};
     for (size_t i = 0; i < n; i++) {
@@ -67,7 +68,7 @@ static void add(enc_error_sum *to, const enc_error_sum *from) {
     to->count += from->count;
 }
 
-/* All images of one view: error[light], and the sum of their SSIM. */
+/* Compares all images of one view: error[light], and the sum of their SSIM. */
 static btf_result compare_view(const enc_data *shape, enc_image_source original, enc_image_source other,
                                int view, bool with_ssim, enc_error_sum *error, double *out_ssim) {
     const size_t texels = enc_data_texel_count(shape), image = texels * 3, lights = (size_t)shape->n_lights;
@@ -98,6 +99,7 @@ static btf_result compare_view(const enc_data *shape, enc_image_source original,
 btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape, enc_image_source original,
                                enc_image_source other, bool with_ssim, enc_metrics *out) {
     const int views = shape->n_views, lights = shape->n_lights;
+    /* kept image by image, and added up at the end in one order, whatever thread or rank compared which */
     enc_error_sum *error = calloc((size_t)views * (size_t)lights, sizeof *error);
     double *ssim = calloc((size_t)views, sizeof *ssim);
     int view_ring_of[BTF_MAX_DIRECTIONS], light_ring_of[BTF_MAX_DIRECTIONS];

@@ -42,7 +42,8 @@ btf_result enc_metrics_compare(const enc_context *context, const enc_data *shape
 btf_result enc_levels_measure(const enc_context *context, const enc_data *data, const enc_levels *levels,
                               enc_metrics *out_metrics);
 
-/* Distinct thetas, ascending; ring_of[i] is the ring of direction i. Returns the number of rings. */
+/* Finds the rings of a list: their thetas, ascending, and out_ring_of[i], the ring of direction i. Returns
+ * the number of rings. */
 int enc_rings(const enc_direction *directions, int count, double *out_theta, int *out_ring_of);
 
 /* Writes {"linear": dB, "srgb": dB, "ssim": S, "rings": {"view": [{"theta", "linear", "srgb"}...], "light":

@@ -55,13 +55,13 @@ static int zoom_for(const enc_data *shape) {
     return zoom > 0 ? zoom : 1;
 }
 
-/* |a - b| of sRGB-coded values as codes, [row][column][3]. */
+/* Draws ENC_ERROR_GAIN |a - b| of sRGB-coded values, [row][column][3]. */
 static void draw_error(enc_canvas *canvas, int x, int y, int zoom, const enc_data *shape, const float *a,
                        const float *b, float *work) {
     const size_t samples = enc_data_texel_count(shape) * 3;
     for (size_t i = 0; i < samples; i++) {
         const float coded = fabsf(enc_srgb_encode(a[i]) - enc_srgb_encode(b[i])) * ENC_ERROR_GAIN;
-        /* enc_canvas_image codes linear values, so decode what shall be seen */
+        /* decoded, since enc_canvas_image codes what it draws */
         work[i] = coded <= 0.04045f ? coded / 12.92f : powf((coded + 0.055f) / 1.055f, 2.4f);
     }
     enc_canvas_image(canvas, x, y, zoom, shape->width, shape->height, work);

@@ -58,7 +58,7 @@ static int zoom_for(const enc_data *data) {
     return size < CELL ? CELL / size : 1;
 }
 
-/* The decode's steps that pictures compare with the original. */
+/* Lists the steps of the decode that pictures compare with the original; returns their number. */
 static int list_steps(const enc_pictures *p, const char *names[3], uint32_t effects[3]) {
     int count = 0;
     if (p->solution->sbrdf) {
@@ -74,7 +74,7 @@ static int list_steps(const enc_pictures *p, const char *names[3], uint32_t effe
     return count;
 }
 
-/* Apparent BRDFs of the texels of `at`: out[source][texel][view][light][3]. */
+/* Gathers the apparent BRDFs of the four texels `at` from one source: out[texel][view][light][3]. */
 static btf_result gather_abrdf(const enc_data *data, enc_image_source source, const size_t at[4],
                                float *images, float *out) {
     const size_t texels = enc_data_texel_count(data), views = (size_t)data->n_views,
@@ -155,7 +155,7 @@ static float shadow_ratio(const enc_pictures *p, const float *btf, const float *
                             enc_luminance(btf[0], btf[1], btf[2]), p->t_error, p->t_btf);
 }
 
-/* One image of a source into out[texel][3]. */
+/* Copies one image of a source to out[texel][3]. */
 static btf_result one_image(const enc_data *data, enc_image_source source, int view, int light,
                             float *out) {
     const size_t image = enc_data_texel_count(data) * 3;

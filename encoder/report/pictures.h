@@ -8,7 +8,7 @@
 #include "encoder/model/decode_samples.h"
 #include "encoder/model/occlusion.h"
 
-/* The results of an encode that pictures are drawn from; some there are by `--method paper` alone. */
+/* The results of an encode that pictures are drawn from. Some exist with `--method paper` only. */
 typedef struct enc_pictures {
     const enc_data *data;
     const enc_solution *solution;

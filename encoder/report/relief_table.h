@@ -12,12 +12,13 @@
 
 enum { ENC_RELIEF_TEXT = 120 };
 
-/* "relief-chosen=none gloss-chosen=0": for provenance and logs. Of a surface its kind, its scale and its
- * least and greatest height in texels; of several levels of detail the first without it. */
+/* The choice as text for provenance and logs, such as "relief-chosen=none gloss-chosen=0". Of a surface it
+ * gives the kind, the scale, and the least and greatest height in texels; with several levels of detail
+ * also the first without relief. */
 const char *enc_relief_text(const enc_relief_choice *choice, char text[ENC_RELIEF_TEXT]);
 
 void enc_relief_print(const enc_relief_choice *choice, FILE *out);
-/* A member `key`: null without a choice. */
+/* Writes the member `key`: null without a choice. */
 void enc_relief_json(json *j, const char *key, const enc_relief_choice *choice);
 
 #endif

@@ -30,7 +30,7 @@ size_t enc_report_gpu_bytes(const btf_material_info *info, uint32_t effects) {
     for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {
         if (id == BTF_TEXTURE_RESIDUAL_SCALES || id == BTF_TEXTURE_FACTOR_SCALES ||
             id == BTF_TEXTURE_FACTOR_VIEWS) {
-            continue; /* tables */
+            continue; /* tables do not count */
         }
         if (id == BTF_TEXTURE_MAPS && info->layout == BTF_LAYOUT_PAPER &&
             reduced.effects != info->effects) {

@@ -41,23 +41,24 @@ typedef struct enc_report {
     const btf_material *material;
     const char *input, *output, *method;
     enc_messages reading; /* notices about the input */
-    /* rising: sbrdf, stvs, full; those that make sense for the material */
+    /* sbrdf, stvs, full, in this order, as far as the material has them */
     enc_report_step ladder[ENC_REPORT_STEPS];
     int n_ladder;
     enc_report_step without[ENC_REPORT_STEPS]; /* full without one effect each */
     int n_without;
-    /* of a material with several levels of detail; level 0 is the last of the ladder */
+    /* for a material with several levels of detail; level 0 has the errors of the ladder's last step */
     enc_report_level level[BTF_MAX_LEVELS];
     int n_levels;              /* 0 or 1: no table of them */
-    enc_truncation truncations[ENC_MOST_TRUNCATIONS]; /* sampled; of a residual that has several */
+    enc_truncation truncations[ENC_MOST_TRUNCATIONS]; /* at drawn samples, where a residual has several
+                                                         components or units */
     size_t n_truncations;
     enc_leave_one_out between; /* an estimate of the accuracy between the samples */
     const enc_fit_choice *fit; /* of node values, and its candidates; NULL: not asked for */
-    const enc_relief_choice *relief; /* relief, gloss and fitted nodes; NULL: not asked for */
+    const enc_relief_choice *relief; /* relief and gloss; NULL: not asked for */
     bool has_hidden;           /* table 1 applies */
     size_t hidden_before, hidden_after, hidden_total;
     size_t file_bytes;
-    double seconds_total, core_total;    /* of the clock, and of all threads added */
+    double seconds_total, core_total;    /* wall time, and the time of all threads together */
     const struct progress *progress;     /* times by stage */
     estimate_part parts[ESTIMATE_PARTS]; /* predicted times of the stages (job/cost.h) */
     size_t n_parts;
@@ -78,13 +79,14 @@ size_t enc_report_gpu_bytes(const btf_material_info *info, uint32_t effects);
  * factors). */
 size_t enc_report_gpu_bytes_part(const btf_material_info *info, uint32_t effects, uint32_t components);
 
-/* Measures ladder and without: decodes the material with each subset and compares with the data. Stage
- * "measure". */
+/* Measures `ladder` and `without`: decodes the material with each subset of effects and compares it with
+ * the data. Stage "measure". */
 btf_result enc_report_measure(const enc_context *context, const enc_data *data,
                               const enc_solution *solution, const btf_material *material,
                               enc_report *report);
 
-/* The rows for btf_material_desc.errors; `rows` has room for 2 * ENC_REPORT_STEPS. Returns their number. */
+/* Writes the rows for btf_material_desc.errors; `rows` has room for 2 * ENC_REPORT_STEPS. Returns their
+ * number. */
 size_t enc_report_errors(const enc_report *report, btf_material_error *rows);
 
 /* Fills in the levels: level 0 from the ladder, the others by enc_levels_measure. Does nothing for a
@@ -93,7 +95,8 @@ btf_result enc_report_measure_levels(const enc_context *context, const enc_data 
                                      const enc_levels *levels, const btf_material *material,
                                      enc_report *report);
 
-/* The rows for btf_material_desc.level_errors; `rows` has room for BTF_MAX_LEVELS. Returns their number. */
+/* Writes the rows for btf_material_desc.level_errors; `rows` has room for BTF_MAX_LEVELS. Returns their
+ * number. */
 size_t enc_report_level_errors(const enc_report *report, btf_level_error *rows);
 
 /* Bytes of the data as 8-bit RGB images, as the paper's table 2 counts them. */

@@ -29,7 +29,7 @@ static void write_bytes(json *j, const enc_report *report, const btf_material_in
     json_end(j);
 }
 
-/* Nothing for a residual that has but one part, or none. */
+/* Writes nothing for a residual of one component or unit, or none. */
 static void write_truncations(json *j, const enc_report *report, const btf_material_info *info) {
     if (report->n_truncations < 2) {
         return;
@@ -90,7 +90,7 @@ static void write_volumes(json *j, const enc_report *report) {
     json_end(j);
 }
 
-/* Nothing for a material of one level. */
+/* Writes nothing for a material of one level. */
 static void write_levels(json *j, const enc_report *report) {
     if (report->n_levels < 2) {
         return;
@@ -116,7 +116,8 @@ static void write_effects(json *j, const enc_report *report) {
         const bool between =
             (report->without[i].effects ^ report->ladder[report->n_ladder - 1].effects) & BETWEEN_EFFECTS;
         json_object(j, report->without[i].name);
-        json_bool(j, "between_samples", between); /* where the two removed values say nothing */
+        json_bool(j, "between_samples", between); /* it acts there alone, and the two values below say
+                                                     nothing */
         json_number(j, "removes_linear", enc_psnr_linear(full) - enc_psnr_linear(sum));
         json_number(j, "removes_srgb", enc_psnr_srgb(full) - enc_psnr_srgb(sum));
         json_end(j);

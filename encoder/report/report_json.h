@@ -7,8 +7,8 @@
 
 #include "report.h"
 
-/* Whole or absent. `options` is the JSON member "options": alternating names and values, NULL at the end.
- * Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
+/* Writes the report; the file is whole or absent. `options` becomes the JSON member "options": alternating
+ * names and values, NULL at the end. Errors: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
 btf_result enc_report_write(const enc_context *context, const enc_report *report,
                             const char *const *options, const char *path);
 

@@ -28,7 +28,7 @@ static void print_rings(FILE *out, const char *what, int rings, const double *th
     }
 }
 
-/* Samples whose light was, or would have been, in the way of the camera. */
+/* Prints the error at samples whose light was, or would have been, in the way of the camera. */
 static void print_coincident(const enc_report *report, FILE *out) {
     for (int i = 0; i < report->n_ladder; i++) {
         const enc_error_sum *sum = &report->ladder[i].metrics.coincident;
@@ -75,7 +75,7 @@ static void print_truncations(const enc_report *report, const btf_material_info 
     }
 }
 
-/* Textures of all levels, and how many bytes each takes for a texel of level 0. */
+/* Prints the textures of all levels, and how many bytes each takes for a texel of level 0. */
 static void print_parts(const enc_report *report, const btf_material_info *info, FILE *out) {
     const double texels = (double)enc_data_texel_count(report->data);
     fprintf(
@@ -120,7 +120,7 @@ static void print_unspent(const enc_unspent *u, FILE *out) {
     fprintf(out, " of Y, C1 and C2\n");
 }
 
-/* The traffic between ranks, as rank 0 counted it. */
+/* Prints the traffic between ranks, as rank 0 counted it. */
 static void print_volumes(const enc_report *report, FILE *out) {
     enc_ranks_volume all = {0};
     if (report->n_volumes == 0) {
@@ -144,7 +144,8 @@ static void print_volumes(const enc_report *report, FILE *out) {
     }
 }
 
-/* An effect that changes nothing at the samples, and what it is worth between them where that is estimated. */
+/* Prints an effect that changes nothing at the samples, and what it is worth between them where that is
+ * estimated. */
 static void print_between_effect(const enc_report_step *without, const enc_report *report, FILE *out) {
     const enc_left_out_errors *e = &report->between.error[ENC_LEFT_VIEW];
     fprintf(out, "  %-28s acts between the samples only", without->name);

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { REPORT_BYTES = 8 << 20 }; /* a report has some ten thousand */
+enum { REPORT_BYTES = 8 << 20 }; /* the largest file that is read; a report has some ten thousand bytes */
 
 double enc_stage_time(const enc_stage_times *times, const char *stage) {
     for (size_t i = 0; i < times->count; i++) {
@@ -22,7 +22,7 @@ double enc_stage_time(const enc_stage_times *times, const char *stage) {
     return NAN;
 }
 
-/* The whole file with a zero behind it; the caller frees. */
+/* Reads the whole file and ends it with a zero; the caller frees it. */
 static btf_result read_text(const enc_context *context, const char *path, char **out_text,
                             size_t *out_length) {
     FILE *file = fopen(path, "r");
@@ -74,7 +74,7 @@ static btf_result parse(const enc_context *context, const char *path, cJSON **ou
     return result;
 }
 
-/* "%s: is not a report of btf-encode: member <name> <what is wrong>" */
+/* Fails with a message that names the file, the member and what is wrong with it. */
 static btf_result fail_member(const enc_context *context, const char *path, const char *name,
                               const char *member, const char *wrong) {
     return enc_fail(context, BTF_ERROR_BAD_FILE, "%s: is not a report of btf-encode: member %s%s%s %s",
@@ -92,12 +92,15 @@ static btf_result take_times(const enc_context *context, const char *path, const
         return fail_member(context, path, name, NULL, "is not an object");
     }
     cJSON_ArrayForEach(time, times) {
-        if (out->count == ENC_STAGE_TIMES)
+        if (out->count == ENC_STAGE_TIMES) {
             return fail_member(context, path, name, NULL, "lists more stages than an encode has");
-        if (!cJSON_IsNumber(time) || !isfinite(time->valuedouble) || time->valuedouble < 0)
+        }
+        if (!cJSON_IsNumber(time) || !isfinite(time->valuedouble) || time->valuedouble < 0) {
             return fail_member(context, path, name, time->string, "is not a number of at least 0");
-        if (strlen(time->string) >= ENC_STAGE_NAME)
+        }
+        if (strlen(time->string) >= ENC_STAGE_NAME) {
             return fail_member(context, path, name, time->string, "has a name longer than a stage's");
+        }
         strcpy(out->of[out->count].stage, time->string);
         out->of[out->count++].seconds = time->valuedouble;
     }

@@ -8,7 +8,8 @@ enum { HEAD = 5, INTERPOLATED = 0, AT_SAMPLES = 2 }; /* numbers before a row's e
 
 typedef struct weights {
     size_t cells;
-    double of[BTF_MAX_BANDS * BTF_MAX_BANDS]; /* they sum to 1 */
+    double
+        of[BTF_MAX_BANDS * BTF_MAX_BANDS]; /* share of each pair of bands in the samples; they sum to 1 */
 } weights;
 
 static weights weigh(const enc_data *data, const enc_bands *views, const enc_bands *lights) {

@@ -1,9 +1,9 @@
 /* Weighted coordinate descent. See descend.h.
  *
- * A source z has the weight h(z, v) in view v, the sum of the squares of its users' gains. So the Gram
- * matrix that a column of w sees is one a view, U^T diag(h_v) U, and that which a texel of u sees is one a
- * texel, sum over v of h(z, v) W_v W_v^T: a product of all views' matrices, as rows, with the weights of a
- * few texels.
+ * A source z has the weight h(z, v) in view v, the sum of the squares of its users' gains. So all columns
+ * of w in a view have one Gram matrix, U^T diag(h_v) U. For u each texel has its own, the sum over v of
+ * h(z, v) W_v W_v^T: for a few texels at a time it is a product of their weights with the matrices W_v
+ * W_v^T of all views, a row each.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -33,7 +33,8 @@ typedef struct lanes {
     const enc_factor_channel *channel;
     bool round, is_w;
     const float *steps; /* [rank] */
-    const float *gram; /* one for all lanes: [rank][rank]; one a lane: [j (j + 1) / 2 + k, k <= j][LANES] */
+    const float *gram; /* shared by the lanes: [rank][rank]; of each lane its own: [j (j + 1) / 2 + k, k <=
+                          j][LANES] */
     float *x, *product;            /* [rank][LANES] */
     float *seen;                   /* [rank][LANES], where the lanes have Gram matrices of their own */
     float views[ENC_FACTOR_TIERS]; /* factors of the view, 1 for u */
@@ -52,7 +53,7 @@ ENC_CLONES static void see_shared(size_t rank, const float *restrict gram, const
 }
 
 /* Adds to seen [BLOCK][LANES], for the components first .. first + n - 1, the part of G x that comes from
- * those behind them, every lane having a Gram matrix of its own. */
+ * the components after these, every lane having a Gram matrix of its own. */
 ENC_CLONES static void see_behind(size_t rank, size_t first, size_t n, const float *restrict gram,
                                   const float *restrict x, float *restrict seen) {
     for (size_t k = first + n; k < rank; k++) {
@@ -65,8 +66,8 @@ ENC_CLONES static void see_behind(size_t rank, size_t first, size_t n, const flo
     }
 }
 
-/* Adds to seen [rank][LANES], for those behind them, the part of G x of the components first .. first + n -
- * 1. */
+/* Adds to seen [rank][LANES], for all components after first + n - 1, the part of G x that comes from the
+ * components first .. first + n - 1. */
 ENC_CLONES static void tell_behind(size_t rank, size_t first, size_t n, const float *restrict gram,
                                    const float *restrict x, float *restrict seen) {
     for (size_t k = first + n; k < rank; k++) {
@@ -83,7 +84,8 @@ ENC_CLONES static void tell_behind(size_t rank, size_t first, size_t n, const fl
     }
 }
 
-/* Adds to seen [LANES], for component j, the part of G x of first .. first + n - 1, of which it is one. */
+/* Adds to seen [LANES], for component j, the part of G x that comes from the components first .. first + n
+ * - 1, of which it is one. */
 ENC_CLONES static void see_beside(size_t j, size_t first, size_t n, const float *restrict gram,
                                   const float *restrict x, float *restrict seen) {
     for (size_t k = first; k < first + n; k++) {
@@ -125,8 +127,9 @@ static void sweep_shared(const lanes *l) {
     }
 }
 
-/* The lanes' own Gram matrices are too large for the cache next to the core: of each row a block's part is
- * read as a whole, and again while it is there still. */
+/* A sweep where each lane has a Gram matrix of its own. Together they are too large for the first-level
+ * cache, so components are taken by blocks, whose part of the matrices is used again while it is still in
+ * the cache. */
 static void sweep_own(const lanes *l) {
     const size_t rank = l->channel->rank;
     memset(l->seen, 0, rank * LANES * sizeof *l->seen);
@@ -141,7 +144,7 @@ static void sweep_own(const lanes *l) {
     }
 }
 
-/* Lanes first .. first + n - 1 of values and products [rank][count]. */
+/* Refines lanes first .. first + n - 1 of values and products [rank][count]. */
 static void refine_lanes(const lanes *l, int sweeps, size_t first, size_t n, size_t count,
                          const float *product, float *values) {
     const size_t rank = l->channel->rank;
@@ -166,7 +169,8 @@ static void refine_lanes(const lanes *l, int sweeps, size_t first, size_t n, siz
 /* Gram matrices.
  * ------------------------------------------------------------------------------------------------ */
 
-/* Adds the part of a product on and below the diagonal: left and right hold the same rows, packed. */
+/* Adds the part on and below the diagonal of the product of rows with one another; left and right hold the
+ * same rows, packed. */
 static void add_lower(enc_gemm_tile tile, size_t rank, size_t depth, const float *left, const float *right,
                       float *gram) {
     for (size_t first = 0; first < rank; first += ENC_GEMM_N, right += ENC_GEMM_N * depth) {
@@ -185,15 +189,15 @@ static void mirror(size_t rank, float *gram) {
     }
 }
 
-/* Floats of a texel's components, whole panels of either width. */
+/* Floats that a texel's components take, in whole panels of either width. */
 static size_t turned_rank(size_t rank) {
     const size_t by_m = enc_gemm_panels(rank, ENC_GEMM_M) * ENC_GEMM_M;
     const size_t by_n = enc_gemm_panels(rank, ENC_GEMM_N) * ENC_GEMM_N;
     return by_m > by_n ? by_m : by_n;
 }
 
-/* u texel by texel, [texel][turned_rank], which each view's Gram matrix picks texels from. NULL: out of
- * memory. */
+/* Transposes u to [texel][turned_rank], since the Gram matrix of each view reads some texels of it. NULL:
+ * out of memory. */
 static float *turn_u(const enc_factor_matrix *m, const enc_factor_channel *channel) {
     const size_t rank = channel->rank, pitch = turned_rank(rank);
     float *turned = enc_gemm_alloc(m->texels * pitch);
@@ -210,7 +214,7 @@ static float *turn_u(const enc_factor_matrix *m, const enc_factor_channel *chann
     return turned;
 }
 
-/* Texels with a weight in a view: packed panels of their u, and of u times weight. */
+/* Packs panels of the u of texels that have a weight in a view, and of u times weight. */
 static void pack_users(const float *turned, size_t rank, size_t n, const uint32_t *source,
                        const float *weight, float *left, float *right) {
     const size_t pitch = turned_rank(rank);
@@ -229,7 +233,7 @@ static void pack_users(const float *turned, size_t rank, size_t n, const uint32_
     }
 }
 
-/* gram = U^T diag(h_v) U. turned: of turn_u; work: two packed blocks. */
+/* Finds gram = U^T diag(h_v) U. turned: what turn_u returned; work: two packed blocks. */
 static void gram_of_view(const enc_factor_matrix *m, size_t rank, const float *turned, size_t view,
                          float *work, float *gram) {
     const size_t views = m->match->views;
@@ -272,7 +276,7 @@ static void refine_view(const enc_factor_matrix *m, const enc_factor_codes *code
     }
 }
 
-/* Ranks share the views. */
+/* Refines w of channel c. Ranks share the views. */
 static btf_result refine_w(const enc_factor_matrix *m, const enc_factor_codes *codes, int c, const float *product,
                      bool round, int sweeps) {
     const size_t rank = codes->channel[c].rank;
@@ -295,12 +299,13 @@ static btf_result refine_w(const enc_factor_matrix *m, const enc_factor_codes *c
 /* u.
  * ------------------------------------------------------------------------------------------------ */
 
-/* Floats of packed rows, whole cache lines. */
+/* Floats that packed rows take, in whole cache lines. */
 static size_t packed_rows(size_t rank, size_t depth) {
     return ((rank + ENC_GEMM_N) * depth + 15) / 16 * 16;
 }
 
-/* Pairs of components whose inner product in every view is a row, in panels: [panel][view][ENC_GEMM_M]. */
+/* Packs the inner products of w in every view, a row for each pair of components:
+ * [panel][view][ENC_GEMM_M]. */
 static void pack_view_gram(const enc_factor_matrix *m, const enc_factor_codes *codes,
                            const enc_factor_channel *channel, size_t view, float *work, float *packed) {
     const size_t rank = channel->rank, lights = codes->lights;
@@ -352,7 +357,7 @@ static void refine_texels(const enc_factor_matrix *m, const enc_factor_codes *co
     refine_lanes(&l, sweeps, first, n, m->texels, product, channel->u);
 }
 
-/* Ranks share the texels. */
+/* Refines u of channel c. Ranks share the texels. */
 static btf_result refine_u(const enc_factor_matrix *m, const enc_factor_codes *codes, int c, const float *product,
                      bool round, int sweeps) {
     const size_t rank = codes->channel[c].rank, panels = enc_gemm_panels(rank * (rank + 1) / 2, ENC_GEMM_M);

@@ -7,8 +7,8 @@
 
 #include "encoder/factor/codes.h"
 
-/* `sweeps` sweeps of coordinate descent on w and then on u of every channel, matrix->match held: on the
- * levels of their steps where `round`, else on the values as they are. Two passes over the samples. The
+/* Makes `sweeps` sweeps of coordinate descent on w and then on u of every channel, while matrix->match
+ * stays. With `round` values move from level to level, else freely. Takes two passes over the samples. The
  * same bits for any number of threads and ranks. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_match_descend(const enc_factor_matrix *matrix, enc_factor_codes *io_codes, bool round,
                              int sweeps);

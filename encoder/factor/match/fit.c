@@ -19,9 +19,9 @@ enum { SWEEPS = 3 };
 
 /* Where the first search leaves more of the squared error than this, no round follows it: a descent and
  * another search gain two to three times as much again, which is too little then (MAY_LEAVE, factor.c).
- * Left by the first and the second search: UBO_IMPALLA64 0.983, 0.947; BRICKS64 0.920, 0.781; bumps 64x64
- * 0.942, 0.81; of btf-sample bricks 64x64 0.882, 0.714; 128x128 0.868, 0.684; of 32x32 texels bumps 0.862,
- * 0.724; weave 0.740, 0.570. */
+ * Measured, left by the first and by the second search: UBO_IMPALLA64 0.983, 0.947; BRICKS64 0.920, 0.781;
+ * bumps 64x64 0.942, 0.81; of btf-sample bricks 64x64 0.882, 0.714; 128x128 0.868, 0.684; of 32x32 texels
+ * bumps 0.862, 0.724; weave 0.740, 0.570. */
 #define FIRST_MAY_LEAVE 0.97
 
 static btf_result no_memory(const enc_factor_matrix *m) {
@@ -31,7 +31,7 @@ static btf_result no_memory(const enc_factor_matrix *m) {
 /* Components of a product.
  * ------------------------------------------------------------------------------------------------ */
 
-/* out = r a r^T of upper triangular r and symmetric a, all [n][n]; scratch likewise. */
+/* Computes out = r a r^T of upper triangular r and symmetric a, all [n][n], as scratch is. */
 static void congruence(int threads, size_t n, const double *r, const double *a, double *scratch,
                        double *out) {
 #pragma omp parallel for schedule(dynamic, 8) num_threads(threads)
@@ -56,7 +56,8 @@ static void congruence(int threads, size_t n, const double *r, const double *a, 
     }
 }
 
-/* The rows that turn u and w into components, from eigenvectors `e` of r G_w r^T, G_u = r^T r. */
+/* Finds the matrices that turn u and w into components, from the eigenvectors `e` of r G_w r^T, where G_u =
+ * r^T r. */
 static void find_turns(size_t n, const double *r, const double *e, const double *values, double *solved,
                        float *turn_u, float *turn_w) {
     for (size_t i = 0; i < n; i++) {
@@ -78,7 +79,7 @@ static void find_turns(size_t n, const double *r, const double *e, const double 
     }
 }
 
-/* The singular components of u^T w. */
+/* Replaces u and w by the singular components of u^T w. */
 static bool orthogonalise(const enc_factor_matrix *m, size_t n, float *u, float *w) {
     double *r = malloc(5 * n * n * sizeof *r), *gram = r ? r + n * n : NULL,
            *scratch = r ? r + 2 * n * n : NULL;
@@ -111,7 +112,7 @@ static bool orthogonalise(const enc_factor_matrix *m, size_t n, float *u, float 
     return done;
 }
 
-/* The energy of a component at all points. */
+/* The energy of a component, added up over all points. */
 static double weighted_energy(const enc_factor_matrix *m, const float *u, const float *w) {
     const size_t views = m->match->views, lights = m->columns / views;
     double energy = 0;
@@ -135,7 +136,7 @@ static int falling(const void *a, const void *b) {
     return x->energy != y->energy ? (x->energy < y->energy ? 1 : -1) : x->from < y->from ? -1 : 1;
 }
 
-/* Factors as components by falling energy; u and w of `channel` are turned. */
+/* Makes components by falling energy of a channel's factors, whose u and w it changes. */
 static bool to_components(const enc_factor_matrix *m, enc_factor_channel *channel, enc_components *out) {
     const size_t n = channel->rank;
     order *by = malloc((n + 1) * sizeof *by);
@@ -166,12 +167,13 @@ static bool to_components(const enc_factor_matrix *m, enc_factor_channel *channe
 /* Rounds.
  * ------------------------------------------------------------------------------------------------ */
 
-/* The squares that a search found and left, as far as the leading directions of the profiles tell. */
+/* Sums of squares of a search, in the leading directions of the profiles. */
 typedef struct search_sums {
-    double own, left, energy; /* squared errors of a texel's own factors, of sources and gains; energy of the samples */
+    double own, left, energy; /* squared error with each texel as its own source, squared error with the
+                                 sources and gains found, energy of the samples */
 } search_sums;
 
-/* Squared distance of a block's profiles from those that their own texels' factors give. */
+/* The squared distance of a block's profiles from those that the factors of their own texels give. */
 static double own_error(const enc_match *match, const enc_match_coordinates *at) {
     const size_t texels = enc_match_area_texels(&at->block), sources = enc_match_area_texels(&at->sources);
     double error = 0;
@@ -223,7 +225,7 @@ static void copy_block(const enc_match_coordinates *block, enc_match *match, uin
     }
 }
 
-/* Gives every rank all points, of which each rank has found those of some blocks. */
+/* Hands the points that each rank found, those of some blocks, to all ranks. */
 static btf_result share_blocks(const enc_context *context, btf_result result, enc_match *match) {
     const size_t points = match->texels * match->views, ranks = (size_t)enc_ranks_count(context);
     const size_t blocks = (size_t)enc_match_blocks(match);
@@ -277,7 +279,7 @@ static btf_result search_some(const enc_factor_matrix *m, const enc_match_bases 
     return result;
 }
 
-/* Ranks share the blocks, or the views where there is one block alone. */
+/* Searches all blocks. Ranks share them, or the views where there is only one block. */
 static btf_result search_blocks(const enc_factor_matrix *m, const enc_match_bases *bases,
                                 const enc_factor_codes *codes, block_steps steps,
                                 enc_match_coordinates *at, enc_match *match, search_sums *io_sums) {
@@ -343,7 +345,7 @@ static btf_result search(const enc_factor_matrix *m, const enc_match_bases *base
     return result;
 }
 
-/* Rounds on unrounded factors; *out_share after the second search. */
+/* Makes the rounds on unrounded factors; sets *out_share after the second search. */
 static btf_result play_rounds(const enc_factor_matrix *m, const enc_match_bases *bases, double most,
                               enc_match *match, enc_factor_codes *codes, double *out_share) {
     btf_result result = BTF_OK;
@@ -382,8 +384,8 @@ static btf_result plan_anew(const enc_factor_matrix *m, uint64_t budget, enc_fac
     if (!enc_factor_allocate(&energies, m->texels, codes->views, codes->lights, budget, plan)) {
         return no_memory(m);
     }
-    /* There are no more components than the plan before holds. In whole units another plan may hold fewer of them, and
-     * leave bytes of the budget unused. */
+    /* The plan before holds all components that there are. A new plan, of whole units, may hold fewer of
+     * them and leave bytes of the budget unused; then the one before stays. */
     if (enc_factor_plan_error(&energies, &before, 0) < enc_factor_plan_error(&energies, plan, 0)) {
         *plan = before;
     }

@@ -32,7 +32,7 @@ ENC_CLONES float enc_match_dot(size_t k, const float *restrict a, const float *r
     return total + ((sum[0] + sum[2]) + (sum[1] + sum[3]));
 }
 
-/* A pair that a view of the texel has. */
+/* A pair of source and gain that a view of the texel has. */
 typedef struct pair {
     uint32_t source;
     uint8_t gain;
@@ -57,7 +57,7 @@ static size_t distinct_pairs(const enc_match *match, size_t texel, pair *out) {
 typedef struct workspace {
     pair *pairs;  /* [view] */
     float *query; /* [view][k] */
-    float *dot;   /* [pair][view] of profile and source */
+    float *dot;   /* [pair][view] inner product of profile and source */
     float *value; /* [pair][view]: how much of the energy of the view's profile the pair takes */
     float *has;   /* [view]: the value of the pair that it has been given */
 } workspace;
@@ -83,7 +83,7 @@ static void find_dots(const enc_match_coordinates *at, size_t views, size_t sour
     }
 }
 
-/* place: of the texel. */
+/* Fills in the values of all pairs of the texel at `place`. */
 static void fill_values(const enc_match *match, const enc_match_coordinates *at, size_t place, size_t count,
                         workspace *w) {
     const size_t texels = enc_match_area_texels(&at->block), all = enc_match_area_texels(&at->sources);
@@ -105,7 +105,7 @@ static void fill_values(const enc_match *match, const enc_match_coordinates *at,
     }
 }
 
-/* The energy that views take if each may have this pair or the one it has. */
+/* The energy that the views take if each has the better of this pair and the one that it has. */
 ENC_CLONES static double taken_with(size_t views, const float *restrict value, const float *restrict has) {
     double sum[8] = {0};
     size_t v = 0;
@@ -168,7 +168,8 @@ int enc_match_blocks(const enc_match *match) {
     return blocks_along(match->width) * blocks_along(match->height);
 }
 
-/* Sources in reach of `count` places from *io_first on: their number, and *io_first of them. */
+/* Finds the sources along an axis that any of `count` places from *io_first on reaches: *io_first becomes
+ * the first of them. Returns their number. */
 static int in_reach(int size, int count, int *io_first) {
     const int wanted = count + 2 * ENC_MATCH_REACH - 1;
     if (wanted >= size) {

@@ -30,8 +30,8 @@ static inline size_t enc_match_place(const enc_match *match, const enc_match_are
            (size_t)(x < 0 ? x + match->width : x);
 }
 
-/* Coordinates of profiles in their view's leading directions: of the points of a block of texels, and of
- * every source within their reach. */
+/* Coordinates of profiles in the leading directions of their view: of all points of a block of texels, and
+ * of every source that one of these reaches. */
 typedef struct enc_match_coordinates {
     size_t k;
     enc_match_area block, sources;
@@ -40,13 +40,13 @@ typedef struct enc_match_coordinates {
     float *norm;   /* [view][place in sources] their squared lengths */
 } enc_match_coordinates;
 
-/* The blocks of a texture, and one of them without coordinates. */
+/* The number of blocks of a texture, and one of them without its coordinates. */
 int enc_match_blocks(const enc_match *match);
 enc_match_coordinates enc_match_block(const enc_match *match, size_t k, int block);
-/* Bytes of the coordinates of a block at most; whole: with all sources. */
+/* Bytes of the coordinates of a block at most; whole: with the sources of the whole texture. */
 uint64_t enc_match_block_memory(int width, int height, size_t views, size_t k, bool whole);
 
-/* Room for all views. Errors: BTF_ERROR_MEMORY. */
+/* Makes room for the coordinates of all views. Errors: BTF_ERROR_MEMORY. */
 btf_result enc_match_coordinates_create(const enc_context *context, size_t views,
                                         enc_match_coordinates *io_coordinates);
 void enc_match_coordinates_clear(enc_match_coordinates *coordinates);
@@ -55,9 +55,9 @@ void enc_match_coordinates_clear(enc_match_coordinates *coordinates);
 float enc_match_dot(size_t k, const float *a, const float *b);
 
 /* Chooses for each texel of the block, among the pairs of source and gain that its views have, the
- * `entries` that leave the least error one after the other, and gives each view the best of them; 0: pairs
- * stay. Users are not counted. Adds to *io_error the squared error left, in the same coordinates as a
- * search. Errors: BTF_ERROR_MEMORY. */
+ * `entries` that leave the least error one after the other, and gives each view the best of them; with 0
+ * entries, pairs stay. Does not count users. Adds to *io_error the squared error left, in the same
+ * coordinates as a search. Errors: BTF_ERROR_MEMORY. */
 btf_result enc_match_restrict(const enc_context *context, const enc_match_coordinates *at, size_t entries,
                               enc_match *io_match, double *io_error);
 

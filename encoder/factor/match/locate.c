@@ -23,7 +23,7 @@ static btf_result no_memory(const enc_factor_matrix *m) {
 /* Leading directions.
  * ------------------------------------------------------------------------------------------------ */
 
-/* Profiles of texels spread over the texture: [SAMPLE at most][length]. */
+/* Copies profiles of texels spread over the texture: [SAMPLE at most][length]. Returns their number. */
 static size_t sample_profiles(const enc_factor_matrix *m, size_t view, float *out) {
     const size_t lights = (size_t)m->data->n_lights, step = m->texels > SAMPLE ? m->texels / SAMPLE : 1;
     size_t count = 0;
@@ -35,7 +35,7 @@ static size_t sample_profiles(const enc_factor_matrix *m, size_t view, float *ou
     return count;
 }
 
-/* out [k][length] += sum over rows of (q row) row, with q [k][length]. */
+/* A step of power iteration: out [k][length] += sum over rows of (q row) row, with q [k][length]. */
 static void power_step(size_t k, size_t length, size_t count, const float *rows, const float *q,
                        float *out) {
     memset(out, 0, k * length * sizeof *out);
@@ -51,7 +51,7 @@ static void power_step(size_t k, size_t length, size_t count, const float *rows,
     }
 }
 
-/* Turns the basis so that falling energy of the rows' coordinates comes first. */
+/* Turns the basis so that coordinates of the rows come by falling energy. */
 static bool order_basis(size_t k, size_t length, size_t count, const float *rows, const float *from,
                         float *basis) {
     double *gram = calloc(k * k, sizeof *gram), *at = malloc(2 * k * sizeof *at);
@@ -78,7 +78,7 @@ static bool order_basis(size_t k, size_t length, size_t count, const float *rows
     return done;
 }
 
-/* work: profiles, and twice the basis. */
+/* Finds the basis of one view. work: room for the profiles, and for the basis twice. */
 static bool find_basis(const enc_factor_matrix *m, size_t view, size_t k, size_t length, float *work,
                        float *basis) {
     float *rows = work, *q = work + SAMPLE * length, *lower = q + k * length;
@@ -147,14 +147,14 @@ typedef struct projector {
     const float *basis;
 } projector;
 
-/* out [count][k] = rows [count][length] basis^T, count at most ENC_GEMM_M. */
+/* Computes out [count][k] = rows [count][length] basis^T, with count at most ENC_GEMM_M. */
 static void project(const projector *p, size_t count, const float *rows, const float *packed_basis,
                     float *left, float *out) {
     enc_gemm_pack_rows(count, p->length, rows, p->length, ENC_GEMM_M, left);
     enc_gemm_multiply(p->m->tile, count, p->at->k, p->length, left, packed_basis, out, p->at->k, 0);
 }
 
-/* Coordinates of the profiles of the block's texels. */
+/* Finds the coordinates of the profiles of the block's texels. */
 static void find_queries(const projector *p, float *work) {
     const size_t length = p->length, lights = length / 3, texels = enc_match_area_texels(&p->at->block);
     float *basis = enc_gemm_aligned(work), *left = enc_gemm_aligned(basis + 2 * ENC_GEMM_N * length),
@@ -171,7 +171,8 @@ static void find_queries(const projector *p, float *work) {
     }
 }
 
-/* Coordinates of the sources' profiles as their factors give them: u times the view's w in the basis. */
+/* Finds the coordinates of the sources' profiles as their factors give them: u times the view's w in the
+ * basis. */
 static void find_sources(const projector *p, float *work) {
     const size_t lights = p->length / 3, k = p->at->k, panels = enc_gemm_panels(k, ENC_GEMM_N);
     const size_t sources = enc_match_area_texels(&p->at->sources);
@@ -193,7 +194,7 @@ static void find_sources(const projector *p, float *work) {
     }
 }
 
-/* u of all channels, sources in panels. */
+/* Packs u of all channels, with the sources in panels. */
 static void pack_u(const enc_factor_matrix *m, const enc_factor_codes *codes, const enc_match *match,
                    const enc_match_area *area, size_t components, float *out) {
     const size_t sources = enc_match_area_texels(area);
@@ -216,7 +217,6 @@ static const float *basis_of(const enc_match_bases *bases, size_t view) {
     return bases->basis + view * bases->leading * bases->length;
 }
 
-/* Ranks share the views. */
 btf_result enc_match_locate_points(const enc_factor_matrix *m, const enc_match_bases *bases,
                                    const enc_match *match, enc_match_coordinates *at) {
     const size_t each = ((2 * ENC_GEMM_N + 2 * ENC_GEMM_M) * bases->length + 64) / 16 * 16;

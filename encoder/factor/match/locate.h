@@ -19,21 +19,22 @@ typedef struct enc_match_bases {
     float *basis;
 } enc_match_bases;
 
-/* Finds the bases from at most 512 texels, spread over the texture. Ranks share the views here and in the functions
- * below, and all meet in them, except where the context has no ranks. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+/* Finds the bases from at most 512 texels, spread over the texture. Ranks share the views here and in the
+ * functions below, where all of them meet unless the context has no ranks. Errors: BTF_ERROR_MEMORY,
+ * BTF_ERROR_INTERRUPTED. */
 btf_result enc_match_find_bases(const enc_factor_matrix *matrix, enc_match_bases *out_bases);
 void enc_match_bases_clear(enc_match_bases *bases);
 
-/* Coordinates of the points of a block, or of its sources, in all views; there is room for them. Errors:
- * BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
+/* Find the coordinates of the points of a block, or of its sources, in all views, in the room that
+ * enc_match_coordinates_create made. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED. */
 btf_result enc_match_locate_points(const enc_factor_matrix *matrix, const enc_match_bases *bases,
                                    const enc_match *match, enc_match_coordinates *io_coordinates);
 btf_result enc_match_locate_sources(const enc_factor_matrix *matrix, const enc_factor_codes *codes,
                                     const enc_match_bases *bases, const enc_match *match,
                                     enc_match_coordinates *io_coordinates);
 
-/* The result of a step of a search: BTF_ERROR_MEMORY, which is logged, where there was no room for it, BTF_ERROR_INTERRUPTED
- * where the user wants to stop. */
+/* The result of a step of a search: BTF_ERROR_MEMORY, with a message, unless there was `room` for it;
+ * BTF_ERROR_INTERRUPTED where the user wants to stop. */
 btf_result enc_match_outcome(const enc_factor_matrix *matrix, bool room);
 
 #endif

@@ -58,7 +58,7 @@ void enc_match_count_users(const enc_context *context, enc_match *match) {
     memset(match->weight, 0, points * sizeof *match->weight);
 #pragma omp parallel for schedule(static) num_threads(context->threads)
     for (size_t v = 0; v < views; v++) {
-        /* first[i] moves to the end of its users, and back below */
+        /* this moves first[i] to the end of its users; it moves back below */
         for (size_t x = 0; x < texels; x++) {
             const size_t i = match->source[v * texels + x] * views + v;
             const float gain = enc_match_gain(match, v, x);
@@ -81,9 +81,9 @@ static float percentile(const enc_match *match, const size_t histogram[ENC_MATCH
     return match->gains.base + match->gains.step * (float)at;
 }
 
-/* Gains from about `least` to `most`, one of which is 1 exactly where that lies between them: levels of
- * detail ask for no other. Values are short in binary, so that no bit is lost in a file or on the way to a
- * GPU. */
+/* A scale of gains from about `least` to `most`. Where 1 lies between them, one of the gains is exactly 1,
+ * the only one that levels of detail need. Values are short in binary, so that no bit is lost in a file or
+ * on the way to a GPU. */
 static enc_match_gains gains_between(float least, float most) {
     const float grid = 0x1p-9f;
     const float step = fmaxf(rintf((most - least) / (ENC_MATCH_GAINS - 1) / grid), 1) * grid;
@@ -108,7 +108,7 @@ void enc_match_fit_gains(const enc_context *context, enc_match *match) {
     enc_match_count_users(context, match);
 }
 
-/* Bytes of a texel: with a list of so many pairs, or (0) with a pair each view. */
+/* Bytes of a texel with a list of so many pairs; 0: with a pair for each view. */
 static uint64_t texel_bytes(size_t entries, size_t views) {
     return entries > 0 ? 2 * entries + (views + 1) / 2 : 2 * views;
 }

@@ -19,7 +19,7 @@ enum {
     ENC_MATCH_REACH = 32,  /* shifts of columns and rows are within -32 .. 31 */
     ENC_MATCH_GAINS = 16,  /* different gains that points may have */
     ENC_MATCH_TRIED = 112, /* gains that the first search may take, before the scale of ENC_MATCH_GAINS is fitted */
-    /* A texel's list of pairs of source and gain, in which its points, (texel, view), have an index.
+    /* A texel's list of pairs of source and gain, to which each of its points, (texel, view), has an index.
      * BRICKS64 at 2.36 MB: lists of 16 33.77 / 31.41 dB, of 8 33.5 / 31.2, pairs of their own for all
      * points 33.7 / 31.2, no match 33.2 / 31.1. More texels: allocation/BITS.md. */
     ENC_MATCH_ENTRIES = 16,
@@ -49,26 +49,27 @@ static inline float enc_match_gain(const enc_match *match, size_t view, size_t t
     return match->gains.base + match->gains.step * (float)match->gain[view * match->texels + texel];
 }
 
-/* Every texel is its own source. gains: whether the first search is to try gains. Errors: BTF_ERROR_MEMORY.
- */
+/* Makes a match in which every texel is its own source. gains: whether the first search is to try gains.
+ * Errors: BTF_ERROR_MEMORY. */
 btf_result enc_match_create(const enc_context *context, int width, int height, size_t views, bool gains,
                             enc_match *out_match);
 void enc_match_clear(enc_match *match);
 
-/* Fills first, user and weight. */
+/* Fills in first, user and weight. */
 void enc_match_count_users(const enc_context *context, enc_match *match);
 
-/* A scale of ENC_MATCH_GAINS gains from the 1st to the 99th of a hundred of those of the first search, to
- * which they are rounded. Users are counted anew. */
+/* Makes a scale of ENC_MATCH_GAINS gains, from the 1st to the 99th percentile of those of the first search,
+ * rounds these to it and counts the users anew. */
 void enc_match_fit_gains(const enc_context *context, enc_match *match);
 
-/* Pairs of a texel's list; 0 where views are so few that a pair each takes no more. */
+/* The number of pairs in a texel's list; 0 where views are so few that a pair for each takes no more
+ * bytes. */
 size_t enc_match_entries(size_t views);
 /* Bytes that a file's store of shift and gain takes on the GPU: lists of two bytes a pair and indices of 4
  * bits, a byte for two views; or two bytes a point. */
 uint64_t enc_match_bytes(size_t texels, size_t views);
 
-/* Shifts and codes of gain as packed points store them: shift [view][texel][2], gain [view][texel]. */
+/* Writes shifts and gain codes as packed points store them: shift [view][texel][2], gain [view][texel]. */
 void enc_match_store(const enc_match *match, int8_t *out_shift, uint8_t *out_gain);
 
 #endif

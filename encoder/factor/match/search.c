@@ -1,7 +1,7 @@
 /* Search by blocked matrix product. See search.h.
  *
- * |c - g z|^2 = |c|^2 - g (2 <c, z> - g |z|^2): for each query c, the source z and the gain g of the scale
- * that make the last term greatest are wanted. A product of matrices finds <c, z> in the first few
+ * |c - g z|^2 = |c|^2 - g (2 <c, z> - g |z|^2): a search wants, for each query c, the source z and the gain
+ * g of the scale that make the last term greatest. A product of matrices finds <c, z> in the first few
  * coordinates alone, a tile of twelve queries by 32 sources at a time. As the distance in all of them is no
  * less, only sources that are near enough there are looked at in full.
  *
@@ -24,7 +24,7 @@
 enum {
     SCREEN = 16, /* coordinates that suffice to rule out most sources */
     SIDE = 16,   /* of a tile of texels that look at the same sources */
-    EXACT = 64,  /* texels along an axis up to which all are looked at */
+    EXACT = 64,  /* an axis of up to so many texels is looked at as a whole */
 };
 
 /* One search of a block in one view, with the memory of its thread. */
@@ -34,7 +34,7 @@ typedef struct view_search {
     const enc_match_coordinates *at;
     size_t k, view;
     const float *query, *source, *norm; /* of the view */
-    float *inverse;                     /* [source]: of its squared length times the step of gains */
+    float *inverse;                     /* [source]: 1 / (its squared length times the step of gains) */
     size_t screen;                      /* coordinates of panels */
     float *panels;     /* sources of a tile of texels, [panel][screen][32], as unit vectors */
     float *low, *high; /* their lengths times the least and the greatest gain */
@@ -50,7 +50,7 @@ typedef struct choice {
     float value;
 } choice;
 
-/* The index of the gain of the scale that suits an inner product best. */
+/* The index of the gain, within the scale, that suits an inner product best. */
 static float gain_index(const enc_match_gains *g, float dot, float inverse) {
     const float top = (float)(g->count - 1);
     float index = g->step > 0 ? dot * inverse - g->base / g->step : 0.0f;
@@ -121,8 +121,8 @@ static screen_fn select_screen(void) {
     return screen_plain;
 }
 
-/* Sources along an axis that all of the places first .. first + n - 1 reach: out of them `count`, from the
- * return value on, around the circle. */
+/* Finds the sources along an axis that each of the places first .. first + n - 1 reaches: *count of them,
+ * from the place returned, around the circle. */
 static int reach(int size, int first, int n, int *count) {
     if (size <= EXACT) {
         *count = size;
@@ -140,7 +140,9 @@ static size_t pack_sources(view_search *s, int column, int row, int columns, int
     const int x0 = reach(width, column, columns, &across), y0 = reach(height, row, rows, &down);
     const size_t count = (size_t)across * (size_t)down, panels = enc_gemm_panels(count, ENC_GEMM_N);
     for (size_t i = 0; i < panels * ENC_GEMM_N; i++) {
-        const size_t at = i < count ? i : 0; /* the first again, which then never wins */
+        const size_t at =
+            i < count ? i : 0; /* panels are filled up with the first, which cannot win a second
+                                                time */
         const int x = (x0 + (int)at % across) % width, y = (y0 + (int)at / across) % height;
         const size_t source = enc_match_place(s->match, &s->at->sources, (size_t)(y * width + x));
         const float *from = s->source + source * s->k;
@@ -157,7 +159,7 @@ static size_t pack_sources(view_search *s, int column, int row, int columns, int
     return panels;
 }
 
-/* `count` texels of the tile, at most ENC_GEMM_M: texel, and where they lie in the block. */
+/* Searches for `count` texels of the tile, at most ENC_GEMM_M. place: where each lies in the block. */
 static void search_panel(view_search *s, size_t panels, size_t count, const uint32_t *texel,
                          const uint32_t *place, float *left) {
     _Alignas(64) float tile[ENC_GEMM_M * ENC_GEMM_N];
@@ -213,7 +215,7 @@ static void search_tile(view_search *s, int column, int row, float *left) {
     }
 }
 
-/* All of the block in one view. */
+/* Searches for all texels of the block in one view. */
 static void search_view(view_search *s, size_t most, float *work) {
     const enc_match_area *block = &s->at->block;
     const size_t sources = enc_match_area_texels(&s->at->sources);
@@ -234,7 +236,7 @@ static void search_view(view_search *s, size_t most, float *work) {
     }
 }
 
-/* The sources of a tile at most, whole panels. */
+/* The most sources that a tile has, in whole panels. */
 static size_t most_sources(const enc_match *match) {
     const size_t across = match->width <= EXACT ? (size_t)match->width : 2 * ENC_MATCH_REACH;
     const size_t down = match->height <= EXACT ? (size_t)match->height : 2 * ENC_MATCH_REACH;
@@ -248,6 +250,7 @@ btf_result enc_match_search(const enc_factor_matrix *m, const enc_match_coordina
     const size_t screen = at->k < SCREEN ? at->k : SCREEN;
     const size_t each = (sources + ENC_GEMM_M * screen + most * (screen + 3) + 64) / 16 * 16;
     float *work = enc_gemm_alloc((size_t)m->context->threads * each);
+    /* by view, and added up in the order of views, whatever thread or rank searched which */
     double *energy = calloc(views, sizeof *energy);
     const bool room = work && energy;
     size_t begin, end;

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/* The writer added this before it took logarithms. */
+/* What the writer of the files added to values before it took logarithms. */
 static const float epsilon = 1e-5f;
 
 static void from_yuv(float s[3]) {
@@ -23,7 +23,7 @@ static void from_ycocg(float s[3]) {
     s[2] = y - a - b;
 }
 
-/* Row vector times matrix, plus mean. */
+/* Turns principal components back: row vector times matrix, plus mean. */
 static void from_principal(float s[3], const float mean[3], const float matrix[9]) {
     const float a = s[0], b = s[1], c = s[2];
     for (int i = 0; i < 3; i++) {
@@ -35,7 +35,7 @@ static float lab_curve(float t) {
     return t > 6.0f / 29.0f ? t * t * t : 3.0f * (6.0f / 29.0f) * (6.0f / 29.0f) * (t - 4.0f / 29.0f);
 }
 
-/* CIE L*a*b*, white D65 (that of linear Rec. 709). */
+/* Turns CIE L*a*b* of white D65, which is that of Rec. 709, into linear Rec. 709. */
 static void from_lab(float s[3]) {
     const float fy = (s[0] + 16.0f) / 116.0f;
     const float x = 0.95047f * lab_curve(fy + s[1] / 500.0f), y = lab_curve(fy);
@@ -45,7 +45,7 @@ static void from_lab(float s[3]) {
     s[2] = 0.0556434f * x - 0.2040259f * y + 1.0572252f * z;
 }
 
-/* exp(c) - e. */
+/* Undoes the logarithm: exp(c) - e. */
 static float from_log(float c) {
     return expf(c) - epsilon;
 }

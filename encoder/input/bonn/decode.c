@@ -26,7 +26,7 @@ struct enc_bonn_decoder {
     uint32_t *components;    /* [matrix]: the count of its components that are used */
     uint32_t most;           /* the greatest of these counts */
     float **packed;          /* [view * 3 + channel]: direction side, as right operand of lights */
-    float *means;            /* PVF with means of lights: [view][channel][light], else NULL */
+    float *means;            /* of a PVF with a mean for each light: [view][channel][light]; else NULL */
     unsigned char *expanded; /* of a bzipped BDI: its chunks unpacked, one after the other; else NULL */
 };
 

@@ -8,8 +8,9 @@
 #include "encoder/base/context.h"
 #include <stdint.h>
 
-/* The place in a file that is read next. The first field that the file ends within, or that is refused, sets
- * `result`; from then on the functions below read nothing and return 0 or NULL, a count 1. */
+/* The place in a file that is read next. The first field that is cut off by the end of the file, or
+ * refused, sets `result`; from then on the functions below read nothing and return 0 or NULL, or 1 for a
+ * count. */
 typedef struct enc_bonn_cursor {
     const enc_context *context;
     const char *path;           /* of the file, for messages */
@@ -27,14 +28,15 @@ const unsigned char *enc_bonn_take(enc_bonn_cursor *c, uint64_t size, const char
 
 uint32_t enc_bonn_take_u32(enc_bonn_cursor *c, const char *field);
 unsigned enc_bonn_take_u8(enc_bonn_cursor *c, const char *field);
-/* A finite float of 4 bytes. */
+/* Takes a finite float of 4 bytes. */
 float enc_bonn_take_float(enc_bonn_cursor *c, const char *field);
-/* A count from 1 to `most`. */
+/* Takes a count from 1 to `most`. */
 uint32_t enc_bonn_take_count(enc_bonn_cursor *c, const char *field, uint32_t most);
-/* The size of a matrix's numbers in bytes: 2, 4 or 8. */
+/* Takes the size in bytes of a matrix's numbers: 2, 4 or 8. */
 unsigned enc_bonn_take_scalar(enc_bonn_cursor *c);
 
-/* The integer of 4 bytes at an address, and the number of `scalar` bytes: 2 (half), 4 or 8. */
+/* The integer of 4 bytes at an address, and the floating-point number of `scalar` bytes there: 2 (half), 4
+ * or 8. */
 uint32_t enc_bonn_u32(const unsigned char *at);
 float enc_bonn_number(const unsigned char *at, unsigned scalar);
 

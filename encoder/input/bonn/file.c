@@ -128,20 +128,21 @@ static void read_size(enc_bonn_cursor *c, enc_bonn_file *f) {
     f->height = enc_bonn_take_count(c, "height", MOST_SIDE);
 }
 
-/* Local frames: read over, since the surface is a plane here. */
+/* Steps over the texels' own frames, since the surface is a plane here. */
 static void read_rotations(enc_bonn_cursor *c) {
     const uint32_t count = enc_bonn_take_u32(c, "rotation count");
     enc_bonn_take(c, 36 * (uint64_t)count, "rotations");
 }
 
-/* `rows` rows of `components` numbers; returns where they begin. */
+/* Steps over `rows` rows of `components` numbers; returns where they begin. */
 static uint64_t take_rows(enc_bonn_cursor *c, uint64_t rows, const enc_bonn_matrix *m, const char *field) {
     const uint64_t at = c->at;
     enc_bonn_take(c, rows * m->components * m->scalar, field);
     return at;
 }
 
-/* Settles which side is which of a matrix of `rows` by `columns`, whose sides lie at left and right. */
+/* Settles which factor of a matrix of `rows` by `columns`, left or right, has the rows for directions and
+ * which those for texels. */
 static void settle_sides(enc_bonn_cursor *c, uint64_t at, enc_bonn_matrix *m, uint32_t rows,
                          uint32_t columns, uint64_t directions, uint64_t texels, uint32_t channels,
                          uint64_t left, uint64_t right) {
@@ -159,7 +160,7 @@ static void settle_sides(enc_bonn_cursor *c, uint64_t at, enc_bonn_matrix *m, ui
     }
 }
 
-/* Scalar size to the end of one factorisation of DFMF and FMF. */
+/* Reads one factorisation of a DFMF or FMF file, from its scalar size to its end. */
 static void read_factors(enc_bonn_cursor *c, const enc_bonn_file *f, uint32_t channels,
                          enc_bonn_matrix *m) {
     m->scalar = enc_bonn_take_scalar(c);
@@ -327,7 +328,7 @@ static void read_bdi(enc_bonn_cursor *c, enc_bonn_file *f) {
     }
 }
 
-/* The first form of PVF has no meta block. */
+/* Reads the header of the first form of PVF, which has no meta block. False: this is another form. */
 static bool read_legacy_pvf(enc_bonn_cursor *c, enc_bonn_file *f) {
     if (f->kind != ENC_BONN_PVF || f->size - c->at < 4 || enc_bonn_u32(f->bytes + c->at) != LEGACY_PVF) {
         return false;

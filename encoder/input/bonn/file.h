@@ -26,8 +26,9 @@ typedef struct enc_bonn_matrix {
     uint32_t components;         /* numbers a row */
     uint64_t directions, texels; /* offsets */
     uint64_t mean;               /* offset of one number a row of the left side, 0: none */
-    bool channel_of_texel;       /* the channel is part of the texel side's row number */
-    bool mean_of_texel;          /* the means are numbered as the texel side is, else as the other */
+    bool channel_of_texel;       /* rows of the texel side are numbered by texel and channel */
+    bool mean_of_texel;          /* the means are numbered as rows of the texel side, else as those of the
+                                    direction side */
 } enc_bonn_matrix;
 
 enum { ENC_BONN_RAW = 0, ENC_BONN_BZIP = 1, ENC_BONN_SPARSE = 2 };
@@ -63,7 +64,7 @@ typedef struct enc_bonn_file {
     uint32_t n_missing;
 } enc_bonn_file;
 
-/* Whether a file begins as one of Bonn's does. */
+/* Whether a file begins like one of Bonn's. */
 bool enc_bonn_is(const char *path);
 
 /* Maps and checks a file: every size against its length, every count against every other. Numbers of
@@ -73,7 +74,7 @@ bool enc_bonn_is(const char *path);
 btf_result enc_bonn_open(const enc_context *context, const char *path, enc_bonn_file **out_file);
 void enc_bonn_close(enc_bonn_file **file);
 
-/* `count` numbers of `scalar` bytes, the first of them at `offset` of the file. */
+/* Reads `count` numbers of `scalar` bytes each, the first of them at `offset` in the file. */
 void enc_bonn_numbers(const enc_bonn_file *file, uint64_t offset, unsigned scalar, size_t count,
                       float *out);
 

@@ -27,7 +27,7 @@ typedef struct bonn_origin {
     bool flip_v, strict;
 } bonn_origin;
 
-/* Number in the file of pixel (x, y) of the area. */
+/* The number that the texel at (x, y) of the area has in the file. */
 static size_t file_texel(const bonn_origin *o, int x, int y) {
     const int row = o->area.y + (o->flip_v ? o->area.height - 1 - y : y);
     return (size_t)row * o->file->width + (size_t)(o->area.x + x);
@@ -49,7 +49,7 @@ static btf_result check_strict(const enc_context *context, const bonn_origin *o,
     return BTF_OK;
 }
 
-/* One texel as the mean of those that it covers; sources is room for SOURCES of them. */
+/* Makes one texel as the mean of those that it covers; sources has room for SOURCES of them. */
 static btf_result resize(const enc_context *context, const bonn_origin *o, size_t texel, int view,
                          int n_views, float *sources, float *out) {
     const int column = (int)(texel % (size_t)o->width), row = (int)(texel / (size_t)o->width);
@@ -84,7 +84,7 @@ static btf_result resize(const enc_context *context, const bonn_origin *o, size_
     return BTF_OK;
 }
 
-/* Texels first .. first+count-1 in views view .. view+n_views-1. */
+/* Makes texels first .. first+count-1 in views view .. view+n_views-1. */
 static btf_result make(const enc_context *context, const bonn_origin *o, size_t first, size_t count,
                        int view, int n_views, float *out) {
     const size_t size = (size_t)n_views * 3 * (size_t)o->n_lights;

@@ -14,9 +14,10 @@ static inline double enc_bonn_sample_seconds(size_t components) {
     return 2.2e-9 + 0.13e-9 * (double)components;
 }
 
-/* Does enc_read() for a file of Bonn's (enc_bonn_is). The matrices stay in the mapped file; samples are made when
- * asked for, or once, where all of them fit half of context->memory. Takes memory for the directions' side
- * besides: n_views * n_lights numbers a component and channel. Errors as enc_read(). */
+/* Does the work of enc_read() for a file of Bonn's (enc_bonn_is). The matrices stay in the mapped file;
+ * samples are made when asked for, or once, where all of them fit half of context->memory. The directions'
+ * side takes memory besides: n_views * n_lights numbers for each component and channel. Errors as
+ * enc_read(). */
 btf_result enc_read_bonn(const enc_context *context, const char *input, const enc_read_options *options,
                          enc_data **out_data);
 

@@ -1,16 +1,16 @@
 /* OpenBTF: data sets of BTFs as images in linear light, whatever they are stored in.
  *
  * Reads what btf-encode reads: folders and archives of images whose names say the directions (UBO2003, UTIA and
- * others) or of which a table does, and Bonn's binary .btf files (encoder/INPUTS.md of the source). A library of its own,
- * libopenbtf_input, since it needs what image files and archives need; it takes no MPI and makes no material.
+ * others) or of which a table does, and Bonn's binary .btf files (encoder/INPUTS.md of the source). A library of its
+ * own, libopenbtf_input, since it needs what image files and archives need; it takes no MPI and makes no material.
  *
  * Directions are unit vectors of the tangent frame (x along +u, y along +v, z the normal), to the viewer and to the
  * light, in paper order: theta ascending, then phi ascending from 0. Values are linear Rec. 709 radiance over
  * (normal-incidence irradiance / pi), cosine included: a white Lambertian surface gives l.z. They are never below 0.
  *
  * Thread rule: any number of threads may read images of one btf_input at the same time; calls for an archive or a Bonn
- * file wait for one another. Messages
- * go to the log of the call, one at a time, and may come from threads that the call made. No handler of signals is installed.
+ * file wait for one another. Messages go to the log of the call, one at a time, and may come from threads that the
+ * call made. No handler of signals is installed.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -86,9 +86,11 @@ typedef struct btf_input_info {
  * factors are mapped. *out_input is closed with btf_input_close. Errors, with file names and counts on @p log:
  * BTF_ERROR_USAGE (an option), BTF_ERROR_IO, BTF_ERROR_BAD_FILE (missing, duplicate or wrong directions, damaged
  * images, values that are no numbers), BTF_ERROR_UNSUPPORTED, BTF_ERROR_MEMORY. */
-btf_result btf_input_open(const char *path, const btf_input_options *options, const btf_log *log, btf_input **out_input);
+btf_result btf_input_open(const char *path, const btf_input_options *options, const btf_log *log,
+                          btf_input **out_input);
 
-/** Fills *out_info up to its struct_size. Errors: BTF_ERROR_USAGE (a null pointer, a struct_size too small to be one). */
+/** Fills *out_info up to its struct_size. Errors: BTF_ERROR_USAGE (a null pointer, a struct_size too small to be
+ * one). */
 btf_result btf_input_get_info(const btf_input *input, btf_input_info *out_info);
 
 /** Reads the image of a view under a light, numbers of the lists: out_rgb [height][width][3], row 0 the top. Errors:
