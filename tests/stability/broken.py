@@ -373,6 +373,10 @@ CHANGES = [
     ("free codes of units left empty", "factor", [
         ("encoder/factor/components.c", "#define LEAST_ENERGY 1e-20", "#define LEAST_ENERGY 1e-11"),
         ("encoder/factor/factor.c", "result = enc_factor_fill_places(m, f->components, &f->codes);", "result = BTF_OK;")]),
+    ("a reflectance alone weighed without its bytes", "reflectance", [
+        ("encoder/job/reflectance.c", "w->tolerance * tenths", "w->tolerance * 0")]),
+    ("a reflectance alone taken for its bytes where it lacks the quality", "reflectance", [
+        ("encoder/job/reflectance.c", "(w->quality > 0 ? 0 : w->tolerance * tenths)", "(w->tolerance * tenths)")]),
     ("empty places of a unit left empty", "factor_empty_places", [
         ("encoder/factor/factor.c", "result = enc_factor_fill_places(m, f->components, &f->codes);", "result = BTF_OK;")]),
     ("places beside a component left empty", "factor_empty_places", [
