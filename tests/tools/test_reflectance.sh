@@ -58,6 +58,9 @@ if [ -z "$light" ]; then
     expect "with threads" 0 btf-encode flat -o again.btf.exr -q --threads 3
     expect_that "the same bytes" cmp flat.btf.exr again.btf.exr
 fi
+expect "killed once the model is found" 137 at "1 print reflectance: done" KILL btf-encode flat -o resumed.btf.exr --checkpoint steps
+expect "resumed" 0 btf-encode flat -o resumed.btf.exr -q --checkpoint steps --resume
+expect_that "the same bytes" cmp flat.btf.exr resumed.btf.exr
 expect "from a scratch file" 0 btf-encode flat -o disk.btf.exr -q --memory "$(least_memory flat)"
 expect_that "the same bytes" cmp flat.btf.exr disk.btf.exr
 finish
