@@ -34,6 +34,14 @@ static void place_class(const enc_factor_plan *plan, int class, int channel, uin
     }
 }
 
+static void channel_clear(enc_factor_channel *channel) {
+    free(channel->place);
+    free(channel->step_u);
+    free(channel->step_w);
+    free(channel->u);
+    free(channel->w);
+}
+
 static bool channel_init(const enc_factor_plan *plan, int channel, const enc_components *from,
                          size_t texels, size_t columns, enc_factor_channel *out) {
     uint32_t unit = 0, texel = 0;
@@ -83,14 +91,40 @@ btf_result enc_factor_codes_create(const enc_factor_matrix *m, const enc_factor_
     return BTF_OK;
 }
 
+bool enc_factor_codes_extend(enc_factor_codes *codes, int channel) {
+    enc_factor_channel *from = &codes->channel[channel];
+    const size_t rank = codes->plan.words[0][channel] * enc_factor_classes[0].word;
+    if (rank <= from->rank) {
+        return true;
+    }
+    enc_factor_channel to = {.rank = rank,
+                             .place = calloc(rank + 1, sizeof *to.place),
+                             .step_u = calloc(rank + 1, sizeof *to.step_u),
+                             .step_w = calloc(rank + 1, sizeof *to.step_w),
+                             .u = enc_gemm_alloc(rank * codes->texels),
+                             .w = enc_gemm_alloc(rank * codes->columns)};
+    if (!to.place || !to.step_u || !to.step_w || !to.u || !to.w) {
+        channel_clear(&to);
+        return false;
+    }
+    place_class(&codes->plan, 0, channel, 0, 0, rank, to.place);
+    memset(to.u, 0, rank * codes->texels * sizeof *to.u);
+    memset(to.w, 0, rank * codes->columns * sizeof *to.w);
+    memcpy(to.u, from->u, from->rank * codes->texels * sizeof *to.u);
+    memcpy(to.w, from->w, from->rank * codes->columns * sizeof *to.w);
+    for (size_t j = 0; j < rank; j++) {
+        const bool kept = j < from->rank, beside = !kept && j > 0 && to.place[j].group == to.place[j - 1].group;
+        to.step_u[j] = kept ? from->step_u[j] : beside ? to.step_u[j - 1] : 0;
+        to.step_w[j] = kept ? from->step_w[j] : beside ? to.step_w[j - 1] : 0;
+    }
+    channel_clear(from);
+    *from = to;
+    return true;
+}
+
 void enc_factor_codes_clear(enc_factor_codes *codes) {
     for (int c = 0; c < ENC_FACTOR_CHANNELS; c++) {
-        enc_factor_channel *channel = &codes->channel[c];
-        free(channel->place);
-        free(channel->step_u);
-        free(channel->step_w);
-        free(channel->u);
-        free(channel->w);
+        channel_clear(&codes->channel[c]);
     }
     free(codes->view);
     *codes = (enc_factor_codes){0};

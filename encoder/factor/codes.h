@@ -40,6 +40,10 @@ btf_result enc_factor_codes_create(const enc_factor_matrix *matrix, const enc_fa
                                    enc_factor_codes *out_codes);
 void enc_factor_codes_clear(enc_factor_codes *codes);
 
+/* Adds components of zeros to a channel until the words of class 0 that its plan has are full. Those of a word in use
+ * have its steps, others steps of 0. false: out of memory, and the channel is as it was. */
+bool enc_factor_codes_extend(enc_factor_codes *io_codes, int channel);
+
 /* Whether unit `unit` of a class has one scale for its four words. */
 bool enc_factor_unit_is_pure(const enc_factor_plan *plan, int class, uint32_t unit);
 

@@ -6,6 +6,7 @@
 
 #include "choose_plan.h"
 #include "decoder/toolkit/progress.h"
+#include "empty_places.h"
 #include "encoder/base/stage.h"
 #include "encoder/factor/match/fit.h"
 #include "factorise.h"
@@ -197,6 +198,9 @@ static btf_result encode_plain(const enc_factor_matrix *m, const enc_factor_opti
                         (size_t)enc_factor_round_passes(options->sweeps) * m->texels);
         result = enc_factor_round(m, f->components, options->sweeps, &f->codes);
         enc_stage_end(m->context);
+    }
+    if (result == BTF_OK) {
+        result = enc_factor_fill_places(m, f->components, &f->codes);
     }
     if (result == BTF_OK) {
         result = measure(m, options, f);

@@ -28,7 +28,7 @@ typedef struct enc_factors_settings {
 } enc_factors_settings;
 
 typedef struct enc_factors_stats {
-    enc_trial trials[2 + ENC_FACTORS_TRIALS]; /* in the order in which they were made */
+    enc_trial trials[2 + ENC_FACTORS_TRIALS + 1]; /* in the order in which they were made; room for one of who goes on */
     int trials_count, encodes;
     enc_unspent unspent; /* of the last encode */
 } enc_factors_stats;

@@ -21,6 +21,7 @@
 #include "encoder/report/leave_one_out.h"
 #include "foresee.h"
 #include "memory.h"
+#include "reflectance.h"
 
 #include <math.h>
 #include <openbtf/material.h>
@@ -295,6 +296,9 @@ size_t enc_cost_parts(const enc_context *context, const enc_job *job, const enc_
     const outcome found = paper ? add_paper(&l, e, &c, fetch, &job->paper)
                                 : add_factors(&l, &c, &settings, fetch,
                                               enc_data_fits(context, e->width, e->height, e->n_views, e->n_lights));
+    if (!paper && job->joint.choose) { /* the survey, of one lobe; that its model is taken is not foreseen */
+        add(&l, "reflectance", fmin(c.texels, ENC_REFLECTANCE_TEXELS) * c.views * c.lights * (3 * per_fit / 4 + 3 * fetch));
+    }
     const double analysis = enc_cost_total(out_parts + first, l.count - first);
     if (levels > 1) {
         add(&l, "levels",

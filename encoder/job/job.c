@@ -16,6 +16,7 @@
 #include "encoder/report/montage.h"
 #include "encoder/model/pack.h"
 #include "encoder/report/pictures.h"
+#include "reflectance.h"
 #include "encoder/model/decode_samples.h"
 #include "encoder/model/preview.h"
 #include "encoder/report/report_json.h"
@@ -112,6 +113,7 @@ typedef struct job_state {
     enc_checkpoint *checkpoint; /* NULL: none */
     char *options;
     enc_factors_stats joint;
+    bool reflectance; /* a model of it is all that the material has, in the place of factors */
     enc_paper_stats paper;
     uint16_t *preview;
 } job_state;
@@ -121,16 +123,34 @@ static const enc_data *analysed(const job_state *s) {
     return s->between.fitted ? s->between.fitted : s->data;
 }
 
+/* Forgets what was made for factors, in whose place a reflectance model is. */
+static btf_result drop_between(const enc_context *context, job_state *s, enc_report *report) {
+    enc_between_clear(&s->between);
+    report->relief = NULL;
+    report->fit = NULL;
+    report->unspent = (enc_unspent){0};
+    free(s->provenance);
+    if (asprintf(&s->provenance, "%s model=reflectance", s->options) < 0) {
+        s->provenance = NULL;
+        return enc_fail(context, BTF_ERROR_MEMORY, "out of memory");
+    }
+    return BTF_OK;
+}
+
 static btf_result analyse_joint(const enc_context *context, const enc_job *job, job_state *s,
                                   enc_report *report) {
     const enc_data *data = analysed(s);
     const enc_factors_settings settings =
         enc_settings_of_factors(job, data->width, data->height, data->n_views, data->n_lights);
-    const btf_result result = enc_factors_solve(context, data, &settings, &s->found, &s->joint);
+    btf_result result = enc_factors_solve(context, data, &settings, &s->found, &s->joint);
+    result = enc_ranks_agree(context, result);
+    if (result == BTF_OK) {
+        result = enc_reflectance_try(context, job, s->data, &s->found, &s->joint, &s->reflectance);
+    }
     report->trials = s->joint.trials;
     report->n_trials = s->joint.trials_count;
     report->unspent = s->joint.unspent;
-    return enc_ranks_agree(context, result);
+    return s->reflectance ? drop_between(context, s, report) : result;
 }
 
 static btf_result analyse_paper(const enc_context *context, const enc_job *job, job_state *s,
@@ -167,9 +187,10 @@ static btf_result check_levels(const enc_context *context, const enc_job *job, c
 }
 
 static btf_result analyse_levels(const enc_context *context, const enc_job *job, int count, job_state *s) {
-    enc_paper_options paper = job->paper;
+    const bool factors = job->method == ENC_METHOD_JOINT && !s->reflectance;
+    enc_paper_options paper = s->reflectance ? enc_reflectance_options() : job->paper;
     paper.fallback = s->paper.diffuse; /* as level 0 */
-    return enc_levels_fit(context, s->data, count, job->method == ENC_METHOD_PAPER ? &paper : NULL,
+    return enc_levels_fit(context, s->data, count, factors ? NULL : &paper,
                           s->between.nodes.views ? &s->between.nodes : NULL, &s->found, &s->found_levels);
 }
 

@@ -52,9 +52,9 @@ static const cli_option table[] = {
      .type = CLI_EFFECTS,
      .value = &o.effects,
      .choices = "auto",
-     .help = "auto (default): those that pay, and with\n--method paper the diffuse fit "
-             "alone where that is better;\nor exactly these: joint has residual or "
-             "shift,gain,residual,\npaper some of shadow,shift,hidden or none"},
+     .help = "auto (default): those that pay; joint takes a reflectance model\nalone, of 16 bytes a texel, where factors "
+             "gain too little over it\nfor their bytes, paper the diffuse fit alone where that is better;\nor exactly these: "
+             "joint has residual or shift,gain,residual,\npaper some of shadow,shift,hidden or none"},
     {.name = "effect-tolerance",
      .arg = "DB[,DB]",
      .type = CLI_CUSTOM,

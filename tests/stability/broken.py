@@ -371,7 +371,16 @@ CHANGES = [
         ("encoder/factor/match/fit.c", "if (enc_factor_plan_error(&energies, &before, 0) < enc_factor_plan_error(&energies, plan, 0)) {",
          "if (enc_factor_plan_error(&energies, &before, 0) < 0) {")]),
     ("free codes of units left empty", "factor", [
-        ("encoder/factor/components.c", "#define LEAST_ENERGY 1e-20", "#define LEAST_ENERGY 1e-11")]),
+        ("encoder/factor/components.c", "#define LEAST_ENERGY 1e-20", "#define LEAST_ENERGY 1e-11"),
+        ("encoder/factor/factor.c", "result = enc_factor_fill_places(m, f->components, &f->codes);", "result = BTF_OK;")]),
+    ("a reflectance alone weighed without its bytes", "reflectance", [
+        ("encoder/job/reflectance.c", "w->tolerance * tenths", "w->tolerance * 0")]),
+    ("a reflectance alone taken for its bytes where it lacks the quality", "reflectance", [
+        ("encoder/job/reflectance.c", "(w->quality > 0 ? 0 : w->tolerance * tenths)", "(w->tolerance * tenths)")]),
+    ("empty places of a unit left empty", "factor_empty_places", [
+        ("encoder/factor/factor.c", "result = enc_factor_fill_places(m, f->components, &f->codes);", "result = BTF_OK;")]),
+    ("places beside a component left empty", "factor_empty_places", [
+        ("encoder/factor/empty_places.c", "fill_group(&f, held, whole);", "(void)whole;")]),
     ("a program that runs no test passes", "listed", [
         ("tests/support/test.h", "if (tests_begun == 0 && failed == 0) {", "if (tests_begun > 48 && failed == 0) {")]),
     ("the same noise in every image of a sample", "sample", [

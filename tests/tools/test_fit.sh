@@ -9,7 +9,7 @@ btf-sample -o data $relief --format exr --quiet && btf-sample -o pairs $relief -
 encode() { # NAME OPTION...
     local name=$1
     shift
-    btf-encode data -o "$name.btf.exr" -q --preset fast --effect-tolerance 0 --budget 100000 --report "$name.json" "$@" &&
+    btf-encode data -o "$name.btf.exr" -q --preset fast --effects residual --effect-tolerance 0 --budget 100000 --report "$name.json" "$@" &&
         btf-compare "$name.btf.exr" pairs --json -q >"$name.between.json" && btf-info "$name.btf.exr" --json >"$name.info.json"
 }
 expect "a fit, which is the default" 0 encode fitted

@@ -58,6 +58,9 @@ same() { # NAME RANKS ARGUMENT...
     done
 }
 unless_light same "joint, folder" "1 2 3" data
+btf-sample -o plane --relief flat --size 8 --directions 0:1,25:6,50:12 --format exr --quiet || exit 99
+same "joint, a reflectance alone" "2 3" plane
+expect_that "which it is" sh -c 'btf-info one.btf.exr --json | grep -q model=reflectance'
 same "joint, fast, levels, archive" 3 data.zip --preset fast --levels all
 unless_light same "joint, Bonn" 3 small.btf --preset fast
 rings=0:1,30:6,60:8
