@@ -27,7 +27,7 @@ unset PKG_CONFIG_PATH
     printf 'include/openbtf/%s.h\n' compat/btf_reference cost evaluate fold gl input material plan reference \
         result sampling shader
     printf 'LIB/%s\n' libopenbtf{,_input,_reference}.so{,.0.2,.0.2.0} pkgconfig/openbtf{,-input,-reference}.pc
-    printf 'PYTHON/openbtf/%s\n' __init__.py _library.py data.py material.py py.typed
+    printf 'PYTHON/openbtf/%s\n' __init__.py _library.py _options.py _plan.py data.py material.py py.typed
     printf 'share/cmake/openbtf/%s\n' openbtfConfig{,Version}.cmake
     printf 'share/openbtf/bake/%s\n' README.md bake_{checks,directions,exr,scene,settings}.py btf_bake.py openbtf_bake.zip \
         scenes/{SCENES.md,gravel.py,knit.py,scales.py,tile.py}
