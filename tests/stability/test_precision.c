@@ -1,4 +1,4 @@
-/* The float pipeline against the same stages in double precision: what single precision costs, in dB.
+/* The float pipeline against the same stages in double precision: the loss by single precision in dB.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -298,7 +298,7 @@ static void shadows(void) {
 
 /* ---- playback ---- */
 
-/* PSNR of enc_sample_decoder, and of the same codes in double. */
+/* Compares the PSNR of enc_sample_decoder with that of the same codes decoded in double. */
 static void playback(const char *what, const enc_data *data, const enc_solution *s, bool ok) {
     const size_t texels = enc_data_texel_count(data), lights = (size_t)data->n_lights;
     enc_sample_decoder *decoder = NULL;
