@@ -84,8 +84,7 @@ raycast_hit raycast_view(const relief *r, double x, double y, const double v[3])
         if (hit >= 0) {
             break;
         }
-        if (exit >=
-            r->depth) { /* the ray is at the lowest height, and so at the surface, within rounding */
+        if (exit >= r->depth) { /* at the lowest height, and so at the surface, within rounding */
             p = patch_at(r, i, j);
             hit = exit;
             break;

@@ -291,8 +291,8 @@ TEST(plans_fold) {
     assert_true(plan.folded_cost < with_relief && plan.views == 81);
     const double pixels = plan.fold_pixels;
     const size_t bytes = plan.fold_bytes;
-    for (int i = 0; i < 5;
-         ++i) { /* forbidden, for too few samples, of too many bytes; just enough of either */
+    /* a fold is forbidden, is for too few samples, has too many bytes; then has just enough of either */
+    for (int i = 0; i < 5; ++i) {
         btf_scene limited = scene;
         limited.no_fold = i == 0;
         limited.folded_pixels = i == 1 ? pixels * 0.99 : i == 3 ? pixels * 1.01 : 0;
@@ -393,8 +393,7 @@ TEST(plans_weigh_gloss) {
     scene.view = still; /* with a still view the light is folded with gloss */
     assert_int_equal(btf_plan_effects(material, &scene, 0, &plan), BTF_OK);
     assert_true(plan.effects == EFFECTS && plan.fold == BTF_FOLD_NEIGHBOURS);
-    scene = (btf_scene){.struct_size = sizeof scene,
-                        .view = still}; /* lights that move are not folded at all */
+    scene = (btf_scene){.struct_size = sizeof scene, .view = still}; /* moving lights are not folded */
     assert_int_equal(btf_plan_effects(material, &scene, 0.5f, &plan), BTF_OK);
     assert_true(plan.fold == BTF_FOLD_NONE);
     btf_material_close(&material);

@@ -14,8 +14,7 @@ enum { LOADED_LEVELS = 15 };
 
 /* A texture as a file says it is. */
 typedef struct loaded {
-    uint32_t vulkan,
-        dxgi; /* the format: Vulkan's number in KTX files, DXGI's in DDS files; the other is 0 */
+    uint32_t vulkan, dxgi; /* the format: its number in KTX, its number in DDS files; the other is 0 */
     uint32_t width, height, layers; /* of the finest level */
     bool is_array;                  /* a DDS file of one layer does not say */
     uint32_t levels;

@@ -454,8 +454,7 @@ TEST(test_joint_has_the_bits_of_one) {
 TEST(test_paper_has_the_bits_of_one) {
     const int sizes[] = {2, 5};
     check_bits((found){.paper = true}, sizes, 2);
-    check_bits((found){.paper = true, .stray = true}, sizes,
-               2); /* so that the diffuse fallback is chosen */
+    check_bits((found){.paper = true, .stray = true}, sizes, 2); /* with the diffuse fallback */
 }
 
 /* The worse of two results is the same whichever thread comes first, and only what went well twice is BTF_OK. */

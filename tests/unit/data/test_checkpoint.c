@@ -168,8 +168,8 @@ TEST_WITH(test_paper, set_up, remove_temporary_folder) {
     assert_true(plain.n_centres > 0);
     assert_int_equal(
         enc_checkpoint_open(&context, temporary_folder, "paper", data, false, &context.checkpoint), BTF_OK);
-    for (int left = 5; left >= -1;
-         left--) { /* the first encode finds no step, the next all, the others ever fewer */
+    /* the first encode finds no step, the next all of them, the others ever fewer */
+    for (int left = 5; left >= -1; left--) {
         enc_solution found;
         assert_int_equal(enc_paper(&context, data, &paper, &found, NULL, &stats), BTF_OK);
         const size_t texels = enc_solution_texels(&found), points = texels * 7;

@@ -175,8 +175,8 @@ TEST(errors_are_the_integrals) {
             assert_true(without[at + 1] > 0.5f * without[at] && without[at + 1] < 2 * without[at]);
         }
     }
-    /* Differences to the full decode: 0 in its own rows, the whole gain in the rows without gain, no rows at samples.
-     * */
+    /* Differences to the full decode: 0 in its own rows, the whole gain in the rows without gain, no rows at
+     * samples. */
     const btf_effect_errors d = btf_material_effect_differences(back);
     assert_true(d.view_bands == RINGS && d.row_count == 8 && d.row_stride == e.row_stride);
     const float *same = find_row(&d, BTF_EFFECT_GAIN, 0), *changed = find_row(&d, 0, 0);
@@ -499,8 +499,7 @@ static void check_attributes_of_levels(void) {
     assert_memory_equal(e.rows, sorted, sizeof sorted);
     btf_material_close(&opened);
 
-    opened = open_changed(bytes, size, level_name, 8, "L", 1,
-                          BTF_OK); /* as readers see it that do not know it */
+    opened = open_changed(bytes, size, level_name, 8, "L", 1, BTF_OK); /* unknown, as to old readers */
     e = btf_material_between_errors(opened);
     assert_int_equal(e.row_count, 1);
     assert_memory_equal(e.rows, sorted, 7 * sizeof *sorted);

@@ -99,8 +99,7 @@ TEST(test_upload) {
     assert_true(program && plain);
     uint32_t units = 9;
     api->UseProgram(plain);
-    api->BindSampler(GPU_FIRST_UNIT + 1,
-                     sampler); /* a sampler that filters, which an integer texture forbids */
+    api->BindSampler(GPU_FIRST_UNIT + 1, sampler); /* it filters, which an integer texture forbids */
     btf_gl_light_sampling_bind(s, program, GPU_FIRST_UNIT, "stone", &units);
     assert_int_equal(units, 2);
     assert_int_equal(get(GL_CURRENT_PROGRAM), (GLint)plain);

@@ -91,8 +91,7 @@ TEST(what_is_worth_less_is_left_out) {
         assert_true(is_near(plan.between_psnr_linear, 0.01 * (1 + growth / 2)));
         assert_true(is_near(plan.full_between_psnr_linear, 0.01) && plan.components == 8);
         assert_true((lacks == 0) == !(plan.cost < plan.full_cost));
-        assert_int_equal(plan_of(silent, 1, cases[i].tolerance).effects,
-                         ALL); /* unknown growth: both stay */
+        assert_int_equal(plan_of(silent, 1, cases[i].tolerance).effects, ALL); /* not known: stay */
     }
     btf_material_close(&material);
     btf_material_close(&silent);

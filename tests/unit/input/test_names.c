@@ -126,10 +126,9 @@ TEST(test_numbers) {
     expect_bad("pl5/tl30 pl(60) tv15 pv30.png", "pl(60) tv15 pv30", "sign");
     expect("plm2_tl30_pl60_tv15_pv30.png", 30, 60, 15, 30); /* another word */
     expect("tl30_pl60_tv15_pv30_plm2.png", 30, 60, 15, 30);
-    expect_bad("tv5/tl0 pl0 tv22x5 pv0.png", "tv22x5 pv0",
-               "part of the number"); /* the folder's tv is no substitute */
-    expect("tv22x5/tl0 pl0 tv5 pv0.png", 0, 0, 5,
-           0); /* the folder's tv is not needed, so its fault does no harm */
+    /* a folder's tv is no substitute for a faulty one, and does no harm where it is not needed */
+    expect_bad("tv5/tl0 pl0 tv22x5 pv0.png", "tv22x5 pv0", "part of the number");
+    expect("tv22x5/tl0 pl0 tv5 pv0.png", 0, 0, 5, 0);
 }
 
 TEST(test_doubts) {

@@ -119,8 +119,7 @@ TEST(test_hidden) {
             float y = hand_albedo(2, 4) * btf_ref_pow(0.5f, domain ? 0.5f : 1.0f);
             hand_evaluate(f, 2, 4, 3, 7, light, hand_pole, rgb);
             assert_bits(rgb[0], domain ? y * y : y);
-            f->o.effects =
-                BTF_REF_SHIFT; /* the code still says that the point is hidden: 120 is no shift */
+            f->o.effects = BTF_REF_SHIFT; /* the code still says hidden, so that 120 is no shift */
             hand_evaluate(f, 2, 4, 3, 7, light, hand_pole, rgb);
             assert_bits(rgb[0], domain ? y * y : y);
             f->o.effects = BTF_REF_HIDDEN;

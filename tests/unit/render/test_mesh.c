@@ -283,9 +283,8 @@ TEST(test_environment) {
         lambert += list.lights[i].colour[1] * fmax(0, list.lights[i].at.y);
         close_to(vec_length(list.lights[i].at), 1, 1e-9);
     }
-    close_to(sum, 4, 1e-6); /* 4 pi / pi */
-    close_to(lambert, 1,
-             0.03); /* a white Lambertian under a white sky is white, up to the median cut's error */
+    close_to(sum, 4, 1e-6);     /* 4 pi / pi */
+    close_to(lambert, 1, 0.03); /* white Lambertian, white sky: 1, up to the median cut's error */
     light_list_clear(&list);
     memset(map, 0, sizeof map);
     map[3 * (16 * W + 48)] = 100; /* red, to the right: +x */

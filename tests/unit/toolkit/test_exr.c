@@ -589,8 +589,8 @@ TEST(test_spectrum) {
         assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_SPECTRUM], "31 bands of 400 to 700 nm"));
         assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_SPECTRUM], light ? "as light" : "under D65"));
     }
-    bytes_part p = part_of(
-        NULL, "B/G/R/T.400nm/T.500nm/T.600nm/T.700nm"); /* RGB beside a spectrum is read, with a message */
+    /* of a spectrum with RGB beside it, RGB is read, with a message */
+    bytes_part p = part_of(NULL, "B/G/R/T.400nm/T.500nm/T.600nm/T.700nm");
     free(read_good(&p, 1).pixels);
     assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_PARTS], "spectrum"));
     layer = "spectral";
