@@ -230,6 +230,8 @@ static btf_result measure(section *s) {
     return result == BTF_OK ? find_times(s) : result;
 }
 
+/* Writes time and noise of each way as a table, as CSV and as a plot. The noise of picks is measured against the blend
+ * that they converge to, so that it does not count the blend's difference to the full decode. */
 static btf_result write_rows(section *s, FILE *csv) {
     FILE *out = s->run->summary;
     fprintf(

@@ -425,6 +425,8 @@ TEST(unpacking_state_does_not_matter) {
     btf_gl_destroy(&gl);
 }
 
+/* Two decoders with different prefixes in one program, two sets of textures bound at once: even pixels show one
+ * material, odd ones the other, both with the reference's bits. */
 TEST(two_materials_share_a_program) {
     enum { COUNT = 4096 };
     static const char body[] =

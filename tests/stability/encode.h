@@ -54,9 +54,9 @@ double encode_psnr(const enc_data *data, const float *decoded, float peak);
  * are 0 or 2^-24 to 2^24, as in a file. For the joint method, which clips samples to 2^24, samples are clipped too. */
 double encode_psnr_of_diffuse(const enc_data *data, encode_method method, float peak);
 
-/* Whether a PSNR is as good as promised. The paper's methods: at least that of the fallback less 0.01 dB, or 80 dB,
- * which counts as exact. The joint method: at least that of the fallback less 0.1 dB, or 47 dB, since its codes end at
- * 55 dB in the square root, whose errors count twice in radiance near 1. */
+/* Whether a PSNR is as good as promised. The paper's methods: at least the lesser of the fallback's and of 80 dB, which
+ * counts as exact, less 0.01 dB. The joint method: at least the lesser of the fallback's and of 47 dB, less 0.1 dB,
+ * since its codes end at 55 dB in the square root, whose errors count twice in radiance near 1. */
 bool encode_keeps_promise(encode_method method, double psnr, double psnr_of_diffuse);
 extern const char encode_promise[];
 

@@ -116,6 +116,8 @@ static void wide_relief(const btf_ref_material *m, const btf_ref_neighbours *vie
     }
 }
 
+/* The integers of relief fit 32 bits (FORMAT.md, section 9): random materials, half of them at the limits of base, step
+ * and level, must give what 64 bits give; so must moves between the extremes. */
 static void integer_limits(void) {
     static made_storage storage;
     static made_relief relief;

@@ -182,6 +182,8 @@ static void fits(void) {
 
 /* ---- Gram sums ---- */
 
+/* The sums of Gram matrices that the fit is made of (paper 2.2): vectorised floats against doubles with libm's pow and
+ * log. The cost of the model is among them. */
 static void gram(void) {
     enum { N = 1024 };
     static _Alignas(64) float planes[7][N];

@@ -191,6 +191,8 @@ static void add_refused(const char *what, const saved *s, const char *expected) 
     complaint[0] = 0;
 }
 
+/* Parts missing, repeated, renamed, resized, moved, or with other channels: each must be refused with the part's name.
+ * A rename keeps the length of the name, since it is made in the bytes. */
 static void try_parts(const saved *s) {
     edit_file *file = edit_load(s->data, s->size);
     const int count = file->part_count;

@@ -118,6 +118,8 @@ static const hard_case list[] = {
     {"one sample", 1, 1, scaled, 1, FEW, 1},
 };
 
+/* One hard case by one method: encodes with one thread and with two, and adds the case. The joint method must also be
+ * as good as the texture whose every texel is the mean. */
 static void run(const hard_case *h, encode_method method) {
     const hard_directions many = hard_thirteen(),
                           one = hard_rings(1, (const double[]){0}, (const int[]){1});
