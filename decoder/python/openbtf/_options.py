@@ -16,6 +16,7 @@ FOLDS = {"none": 0, "light": 1, "both": 2, "neighbours": 3}
 
 
 def choice(table, value, name):
+    """The number of a word. Raises UsageError, which lists the words, where `value` is none of them."""
     try:
         return table[value]
     except (KeyError, TypeError):
@@ -23,11 +24,12 @@ def choice(table, value, name):
 
 
 def names_of(mask):
+    """The names of the effects in a btf_effect mask."""
     return tuple(name for name, bit in EFFECTS.items() if mask & bit)
 
 
 def leave_out(effects):
-    """The bits to leave out where `effects`, names or None for all, are to be decoded."""
+    """The btf_effect bits to leave out so that `effects` are decoded: names, or None for all."""
     if effects is None:
         return 0
     if isinstance(effects, str):
@@ -39,7 +41,8 @@ def leave_out(effects):
 
 
 def components_of(count):
-    """At most so many; the C structures say 0 for all, and none at all is the effect `residual` left out."""
+    """The member `components` of the C structures, where 0 means all. For none at all the effect `residual` is left
+    out."""
     if count is None:
         return 0
     if count < 1:
@@ -48,6 +51,7 @@ def components_of(count):
 
 
 def vectors(value, length, name):
+    """`value` as float32 vectors; raises UsageError where its last axis is not `length` long."""
     array = np.asarray(value, np.float32)
     if array.ndim == 0 or array.shape[-1] != length:
         raise c.UsageError("%s has shape %s; the last axis has to be %d long" % (name, array.shape, length), 1)
