@@ -91,7 +91,7 @@ build() {
         }
         rm -f "$folder.setup.log"
     fi
-    if [ -t 1 ]; then # ninja shows where it is
+    if [ -t 1 ]; then # on a terminal ninja shows its own progress
         ninja -C "$folder" "$@" || exit 2
         return
     fi

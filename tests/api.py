@@ -22,7 +22,7 @@ import textwrap
 
 PAGE = 'decoder/API.md'
 FOLDER = 'decoder/include/openbtf'
-FIRST = ('material', 'shader', 'gl', 'plan') # then the others by name
+FIRST = ('material', 'shader', 'gl', 'plan') # headers that the page begins with; the others follow by name
 OTHERS = ['reference/include/openbtf/reference.h', 'encoder/library/include/openbtf/input.h']
 COMMENT = re.compile(r'/\*.*?\*/', re.S)
 
@@ -238,7 +238,7 @@ def self_test(root):
                 text = file.read()
             with open(os.path.join(folder, path), 'w', encoding='utf-8') as file:
                 file.write(text.replace(old, new, 1))
-            if path != PAGE and what != 'another text': # the comment is missed, whatever the page says
+            if path != PAGE and what != 'another text': # a missing comment must be reported even when the page agrees
                 with open(os.path.join(folder, PAGE), 'w', encoding='utf-8') as file:
                     file.write(page(folder))
             if text.count(old) == 0 or not complaints(folder):

@@ -16,7 +16,7 @@ import sys
 
 # Folders whose files are held to it.
 FOLDERS = ('decoder', 'encoder', 'reference', 'tests')
-# Files of these that are not yet.
+# Files of these folders that are not held to it yet.
 EXCEPT = ()
 
 TOKEN = re.compile(r'(?P<comment>/\*.*?\*/|//(?:\\\n|[^\n])*)|(?P<line>^[ \t]*#(?:\\\n|/\*.*?\*/|[^\n])*)|'

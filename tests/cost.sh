@@ -1,6 +1,6 @@
 #!/bin/bash
-# Runs a test and then tells its core seconds, its children's included, on stderr: meson's wrapper in tests/run.sh,
-# whose log summary.py reads.
+# Runs a test and then prints on stderr its core seconds, its children's included. tests/run.sh gives it to meson as the
+# wrapper of all tests, and summary.py reads the log.
 #
 # SPDX-License-Identifier: MIT
 times_file=$(mktemp)

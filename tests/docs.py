@@ -30,19 +30,19 @@ def documents(root):
 
 
 def anchor(heading):
-    """The name that viewers of Markdown give a heading."""
+    """The anchor that viewers of Markdown give a heading."""
     return re.sub(r'[^\w\- ]', '', heading.strip().lower()).replace(' ', '-')
 
 
 def text_of(root, path):
-    """Without code, whose brackets are no links."""
+    """The text of a document without its code, where brackets are no links."""
     with open(os.path.join(root, path), encoding='utf-8') as file:
         text = file.read()
     return re.sub(r'^```.*?^```$', '', text, flags=re.S | re.M)
 
 
 def regenerated(root):
-    """Complaints about names that the script of the documents writes and the documents do not have, or the other way."""
+    """Complaints about names that regenerate.sh writes and no document shows, or the other way round."""
     listed = subprocess.run(['bash', os.path.join(root, SCRIPT), '--list'], check=True, capture_output=True, text=True).stdout
     written = {name for line in listed.strip().split('\n') for name in line.split()[1:]}
     there = {name for name in os.listdir(os.path.join(root, PICTURES)) if name.endswith('.png')}
@@ -93,7 +93,8 @@ def edit(path, change):
 
 
 def self_test(root):
-    """(what is broken, file, what is added to it, or (text, its replacement)); a document that is not there is made."""
+    """Makes each break in a copy: (rule that is broken, file, text to add, or (text, its replacement)). A document that
+    does not exist is made."""
     breaks = [('a link', 'README.md', '\n[x](encoder/none.md)\n'),
               ('a heading', 'README.md', '\n[x](tests/bench/README.md#none)\n'),
               ('a picture', 'tests/README.md', '\n![x](none.png)\n'),

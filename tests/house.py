@@ -113,7 +113,8 @@ def public(name):
 
 
 def target_of(path, name, quoted, files):
-    """The file that an include means; None for one of the system; False for one that is written in no allowed way."""
+    """The file that an include names; None for one of the system; False for one that is not written as the rules
+    allow."""
     if public(name) in files:
         return public(name)
     if not quoted:
@@ -129,7 +130,7 @@ def statements(text):
     text = re.sub(r'/\*.*?\*/|//[^\n]*|"(\\.|[^"\\\n])*"|\'(\\.|[^\'\\\n])+\'|^[ \t]*#(\\\n|[^\n])*', ' ', text,
                   flags=re.S | re.M)
     text = re.sub(r'^[A-Z][A-Z0-9_]*\([^()\n]*\)$', '', text, flags=re.M)  # a macro that makes functions
-    text = re.sub(r'extern\s+\{', '', text)  # of a C++ file: extern "C" {
+    text = re.sub(r'extern\s+\{', '', text)  # extern "C" { in a C++ file, strings removed
     flat, depth = '', 0
     for c in text:
         depth += c == '{'
@@ -142,7 +143,7 @@ def statements(text):
 
 
 def names(text):
-    """(functions and objects declared, those defined) by a file, without what is static."""
+    """Returns (functions and objects that a file declares, those that it defines), without static ones."""
     declared, defined = set(), set()
     for s in statements(text):
         s = re.sub(r'^([A-Z][A-Z0-9_]*\s*\([^()]*\)\s*)+', '', s)  # macros that define something else
@@ -158,7 +159,7 @@ def names(text):
 
 
 def wrong_includes(path, found):
-    """Complaints of the includes of one file: [(line, name as written, target)]."""
+    """Complaints about the includes of one file. found: [(line, name as written, target)]."""
     mine = room_of(path)
     for line, name, target in found:
         if target is False:
@@ -201,7 +202,7 @@ def circles(edges):
 
 
 def unnamed(path, texts):
-    """Complaints of a header whose functions are defined elsewhere."""
+    """Complaints about a header whose functions are defined elsewhere."""
     if path.startswith(tuple(HEADERS_OF_SEVERAL)):
         return
     stem = path[:-2]
@@ -215,7 +216,7 @@ def unnamed(path, texts):
 
 
 def unrun(path, text):
-    """Complaints of a file whose tests nobody runs."""
+    """Complaints about a file whose tests are never run."""
     test = re.search(r'^(?:[A-Z]+_)?TEST(?:_WITH|_OF_NUMBERS)?\((\w+)', text, flags=re.M)
     if test and not re.search(r'^RUN_TESTS\(|\brun_listed\(', text, flags=re.M):
         yield f'{path}: has the test {test[1]}, and neither RUN_TESTS nor run_listed'
@@ -254,7 +255,7 @@ def complaints(root):
     return found
 
 
-# Deliberate breaks: (file, text to add, part of the complaint that has to come). A new file where there is none.
+# Deliberate breaks: (file, text to add, part of the complaint that is expected). A file that does not exist is made.
 BREAKS = [
     ('reference/btf_arithmetic.c', '#include <openbtf/plan.h>\n', 'decoder stands in front of reference'),
     ('decoder/atlas.c', '#include "decoder/toolkit/cli.h"\n', 'decoder/toolkit stands in front of decoder'),
@@ -278,7 +279,7 @@ BREAKS = [
 
 
 def self_test(root):
-    """Puts all breaks in and returns the number of those that are not noticed."""
+    """Makes all breaks, each in a copy of the sources, and returns the number of those that go unnoticed."""
     with tempfile.TemporaryDirectory(prefix='btf-house-') as tree:
         for path in sources(root):
             if path.endswith(CODE):

@@ -1,6 +1,6 @@
-/* Loaded before everything else under LeakSanitizer (tests/run.sh): modules stay loaded. Memory that a GL or Vulkan
- * driver still holds when its loader unloads it would count as leaked, in a module that has no name any
- * more to suppress it by; nothing of ours is ever unloaded.
+/* tests/run.sh preloads this into programs under LeakSanitizer. It replaces dlclose, so that no module is unloaded.
+ * Memory that a GL or Vulkan driver still holds when its loader unloads it would be reported as leaked by a module
+ * without a name, which no suppression can match. OpenBTF itself unloads nothing.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -2,8 +2,8 @@
 # Builds and runs every test on a Debian 12 machine, installing what is missing (as root).
 # The last line is "N passed, N failed, N skipped"; the exit code is 0 when nothing failed.
 #
-#   tests/run.sh          all tests of the release build, then all under AddressSanitizer and UBSan but those that have
-#                         nothing for them to see (tests/meson.build: suite plain)
+#   tests/run.sh          all tests of the release build, then under AddressSanitizer and UBSan all but the suite plain
+#                         (tests/meson.build)
 #   tests/run.sh --long   the same with the suite long (tests/README.md): conformance on other devices, libFuzzer, broken builds,
 #                         ThreadSanitizer; BTF_FUZZ_SECONDS of each fuzz target (20)
 #   tests/run.sh --core   without the tests of decoder/web, which need emscripten, two browsers and npm (1.2 GB), and those
@@ -41,12 +41,12 @@ logs=()
 run_suite() {
     local folder=$1
     shift
-    # One more than there are cores: tests that wait for signals, windows or ranks leave theirs to another.
+    # One process more than there are cores: tests that wait for signals, windows or ranks leave their core idle.
     meson test -C "$folder" --no-rebuild --print-errorlogs --num-processes $(($(nproc) + 1)) --wrapper "$root/tests/cost.sh" "$@" || true
     logs+=("$folder/meson-logs/testlog-cost.sh.json") # meson names it after the wrapper
 }
 
-# With these a package that is missing is an error, not tests that are left out.
+# With these options a missing package is an error; without them its tests would be left out.
 all=(-Dwerror=true -Dtests=enabled -Dmpi=enabled)
 beside=(-Dweb=false -Dbake=false)
 if [ "$core" = 0 ]; then
@@ -60,16 +60,16 @@ else
     run_suite "$root/build" --no-suite long
 fi
 
-# Null pointers and objects' sizes are AddressSanitizer's own business: without UBSan's checks of each access the build
-# takes a fifth less time, and the tests a seventh.
+# AddressSanitizer notices accesses through null pointers and beyond objects. Without UBSan's own checks of each access
+# the build takes a fifth less time, and the tests a seventh.
 unchecked=-fno-sanitize=null,object-size
-# Line numbers are all that a report shows: without the rest of the debug information the build takes a third less time.
+# Reports show line numbers and no more. Without the rest of the debug information the build takes a third less time.
 lines=-g1
-# Optimised as little as keeps the tests fast: of instrumented C, -O1 takes six tenths of what -O2 takes to compile.
+# -O1 keeps the tests fast enough, and compiles instrumented C in six tenths of the time of -O2.
 little=-O1
 # Warnings are errors in the release build alone: with -O1 and checks inlined gcc warns of null pointers that cannot be.
 warned=-Dwerror=false
-# The alignment of what templates of Eigen load is not looked at: the Ceres bridge compiles in 26 s instead of 43.
+# UBSan does not check the alignment of loads in Eigen's templates, so that the Ceres bridge compiles in 26 s, not 43.
 build "$root/build-sanitize" "${all[@]}" -Dweb=false -Dbake=false $warned -Dbuildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false \
     "-Dc_args=$unchecked $lines $little" "-Dcpp_args=$unchecked,alignment $lines"
 export ASAN_OPTIONS=detect_leaks=1:abort_on_error=0:verify_asan_link_order=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1

@@ -14,7 +14,7 @@ COST = re.compile(r"^core seconds: ([0-9.]+)$", re.M)
 
 
 def print_costs(path, tests):
-    """The ten tests that took the most core seconds, and the sum of all that told theirs."""
+    """Prints the ten tests that took the most core seconds, and the sum over all tests whose log has them."""
     costs = []
     for test in tests:
         told = COST.findall(test.get("stderr") or "")

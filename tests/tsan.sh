@@ -4,9 +4,9 @@
 #
 #   tests/tsan.sh [FOLDER]     FOLDER (default build-tsan) takes the build
 #
-# Both methods encode tiny data with 4 threads, options and layouts varied, levels of detail among them, and a BTF is
-# sampled, decoded, compared and rendered by the reference; then a loop with a race
-# in it has to be reported, or nothing would be shown. Exits 0, 1 on a race, 77 (with the reason) without clang or libomp.
+# Both methods encode tiny data with 4 threads, with various options, layouts and levels of detail, and a BTF is
+# sampled, decoded, compared and rendered by the reference. Then the sanitizer has to report a loop with a race, which
+# shows that it works. Exits 0, 1 on a race, 77 (with the reason) without clang or libomp.
 #
 # SPDX-License-Identifier: MIT
 set -eu
@@ -20,7 +20,7 @@ command -v clang >/dev/null && command -v clang++ >/dev/null || skip "clang is n
 archer=$(readlink -f "$(clang -print-resource-dir)/../../libarcher.so")
 [ -f "$archer" ] || skip "libarcher.so is not there (package libomp-dev)"
 mkdir -p "$folder"
-# Ceres is not instrumented, and neither is the C++ that calls it: its templates of Eigen take a third of the build else.
+# Neither Ceres nor the C++ that calls it is instrumented: with its Eigen templates it would take a third of the build.
 if [ ! -f "$folder/build.ninja" ]; then
     CC=clang CXX=clang++ meson setup "$folder" -Dbuildtype=debugoptimized -Doptimization=1 -Db_sanitize=thread \
         -Db_lundef=false -Dc_args=-g1 "-Dcpp_args=-g0 -fno-sanitize=all" >"$folder/setup.log" 2>&1 || {
@@ -40,7 +40,7 @@ tools=$(cd "$folder" && pwd)
 failures=0
 echo "TITLE | ThreadSanitizer over the parallel stages, 4 threads."
 
-# watched NAME COMMAND...: it must succeed, and the sanitizer must be silent.
+# watched NAME COMMAND...: the command must succeed, and the sanitizer must report nothing.
 watched() {
     local name=$1 code=0
     shift
@@ -61,7 +61,7 @@ watched() {
 encode() { "$tools/encoder/btf-encode" "$work/data" -o "$work/x.btf.exr" --threads 4 -q "$@"; }
 watched "sample" "$tools/tests/sample/btf-sample" -o "$work/data" --relief bricks --size 12 --directions 0:1,45:5 --quiet
 watched "paper" encode --method paper
-least=$(encode --method paper --memory 1 2>&1 | grep -o 'at least [0-9]*K' | grep -o '[0-9]*K') # samples then lie in a scratch file
+least=$(encode --method paper --memory 1 2>&1 | grep -o 'at least [0-9]*K' | grep -o '[0-9]*K') # so little that samples lie in a scratch file
 watched "paper, scratch file, pictures, report" encode --method paper --memory "$least" --pictures "$work/p" --report "$work/r.json"
 watched "joint" encode
 watched "joint, levels" encode --preset fast --levels all
@@ -69,7 +69,7 @@ watched "decode" "$tools/decoder/tools/btf-decode" "$work/x.btf.exr" -o "$work/d
 watched "render" "$tools/decoder/tools/render/btf-render" "$work/x.btf.exr" -o "$work/r.png" --device reference --size 40 --threads 4
 watched "compare" "$tools/encoder/btf-compare" "$work/data" "$work/x.btf.exr"
 
-# the sum of a parallel loop without a reduction
+# a parallel loop that sums up without a reduction
 cat >"$work/race.c" <<'C'
 #include <stdio.h>
 int main(void) {

@@ -1,6 +1,6 @@
 #!/bin/bash
-# Valgrind over the loader and the readers, which the sanitizers see without their uninitialised bytes: the corpus of
-# each fuzz target goes through it, and tests that are given by their path.
+# Runs the loader and the readers under valgrind, which notices uses of uninitialised bytes, as the sanitizers do not:
+# fuzz targets over their corpus, and test programs that are given by their path.
 #
 #   tests/valgrind.sh BUILD TARGET|PROGRAM...
 #

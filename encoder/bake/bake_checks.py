@@ -1,4 +1,4 @@
-"""Where rays end, and what a scene has that a BTF does not show rightly. Runs inside Blender.
+"""Finds where rays end, and what in a scene a BTF would show wrongly. Runs inside Blender.
 
 SPDX-License-Identifier: MIT
 """
@@ -8,10 +8,10 @@ import bake_exr
 import bake_scene
 from bake_settings import BAD_FILE, BakeError
 
-MISSED = 1e9          # depths of rays that meet nothing are beyond it
-GLOWS = 1e-5          # radiance without a light that counts as emission
-ASIDE = 1e-3          # texels: rays through the very centres would meet edges of meshes laid on the same grid
-SUNK = 0.02           # tiles: a surface that lies deeper than that below its reference plane
+MISSED = 1e9          # a depth above this means that the ray met nothing
+GLOWS = 1e-5          # radiance without the sun above this counts as emission
+ASIDE = 1e-3          # texels by which rays pass beside the centres, where edges of meshes on the same grid lie
+SUNK = 0.02           # of a tile's longer side: a surface that lies deeper below the reference plane is warned of
 LEAST_PROBE = 64      # pixels along the shorter side of a probe
 
 
@@ -34,7 +34,7 @@ class Probe:
         found = bake_exr.read(path)
         layer = bake_scene.LAYER
         self.missed = found[layer + '.Depth.Z'] > MISSED
-        # From the low corner of the tile and the reference plane, in lengths of the scene.
+        # Relative to the low corner of the tile on the reference plane, in lengths of the scene.
         self.position = numpy.stack([found[f'{layer}.Position.{axis}'] for axis in 'XYZ'], 2)
         self.position -= numpy.array([s.tile[0], s.tile[1], s.z], numpy.float32)
         self.position[self.missed] = numpy.nan
@@ -46,7 +46,7 @@ def _percent(mask):
 
 
 def _outside(baking):
-    """Warnings of what leaves the tile sideways."""
+    """Warnings about geometry that reaches beyond the sides of the tile."""
     x, y, width, height = baking.settings.tile
     slack = 1e-4 * max(width, height)
     edges = {(0, -1): x, (0, 1): x + width, (1, -1): y, (1, 1): y + height}
@@ -62,7 +62,7 @@ def _outside(baking):
 def check(baking, views, lights, path, report):
     """Looks at the scene before it is rendered, sets up the copies, and reports what is not as it should be.
 
-    path: of a file that is written and read again. Raises BakeError where nothing that a BTF can hold would come out."""
+    path: a scratch file, which is written and read back. Raises BakeError where no BTF could be made of the scene."""
     s = baking.settings
     found = []
     factor = -(-LEAST_PROBE // min(s.texels))
@@ -73,7 +73,7 @@ def check(baking, views, lights, path, report):
                         f'objects fill x {low[0]:.4g} to {high[0]:.4g}, y {low[1]:.4g} to {high[1]:.4g} (--tile)')
     heights = top.position[~top.missed][:, 2]
     lowest, highest = float(heights.min()), float(heights.max())
-    # What is seen, and the mesh without what its material displaces: the camera can come down to that.
+    # The heights that rays met, and those of the mesh before displacement by its material: the camera can be as low.
     baking.heights = (min(lowest + s.z, float(baking.bounds.low[2])), max(highest + s.z, float(baking.bounds.high[2])))
     above = float(baking.bounds.high[2]) - s.z
     if max(above, highest) > 1e-4 * max(s.tile[2:]):
@@ -86,7 +86,7 @@ def check(baking, views, lights, path, report):
     tiles = ''
     if s.repeat:
         found += _outside(baking)
-        # Where a part of the tile is open, its neighbours may show deeper ones.
+        # Through an opening of the tile, surfaces of neighbouring tiles that lie deeper may be visible.
         deepest = float(baking.bounds.low[2]) - s.z if top.missed.any() else lowest
         x, y, needed = baking.repeat(min(deepest, lowest), max(highest, 0), views, lights)
         if top.missed.any():

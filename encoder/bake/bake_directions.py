@@ -9,7 +9,7 @@ SPDX-License-Identifier: MIT
 import math
 import os
 
-MOST = 256  # views or lights of a data set (encoder/INPUTS.md)
+MOST = 256  # the most views, or lights, that a data set may have (encoder/INPUTS.md)
 STEEPEST = 85.0
 
 RINGS = {
@@ -26,13 +26,14 @@ def _rounded(degrees):
 
 
 def _turned(degrees):
-    """An azimuth in 0 to 360, rounded."""
+    """The azimuth brought into 0 to 360 degrees and rounded."""
     phi = _rounded(degrees % 360)
     return phi if phi < 360 else 0.0
 
 
 def _spiral(count):
-    """Equal areas of the cap from the pole to 75 degrees, each turned by the golden angle from the one before."""
+    """A spiral: each direction stands for an equal area of the cap from the pole to 75 degrees, and is turned by the
+    golden angle from the one before (H. Vogel, Mathematical Biosciences 44, 1979, here on the sphere)."""
     lowest, golden = math.cos(math.radians(75)), 180 * (3 - math.sqrt(5))
     found = []
     for i in range(count):
@@ -74,8 +75,8 @@ def _rings(text):
 
 
 def _lines(path):
-    """The lines of a text file that hold fields, which stand between blanks or commas; # begins a comment. Yields (number of
-    the line, line, fields)."""
+    """Yields (line number, line, fields) of the lines of a text file that hold fields. Blanks or commas separate
+    fields; # begins a comment."""
     with open(path, encoding='utf-8-sig') as file:
         for number, line in enumerate(file, 1):
             fields = line.split('#')[0].replace(',', ' ').split()
@@ -84,7 +85,7 @@ def _lines(path):
 
 
 def _file(path):
-    """A direction a line: theta and phi."""
+    """The directions of a text file, one a line: theta and phi."""
     found = []
     for number, line, fields in _lines(path):
         try:
@@ -137,7 +138,7 @@ def pairs(path):
                 angles = [float(field) for field in fields[-4:]]
             except ValueError:
                 if not found and not any(c.isdigit() for c in line):
-                    continue  # a first line of titles
+                    continue  # the first line may hold titles
                 angles = []
             if len(angles) != 4 or len(fields) > 5 or not all(map(math.isfinite, angles)):
                 raise ValueError(f"{path}:{number}: '{line.strip()}' is not theta and phi of the view and of the light")
@@ -167,12 +168,12 @@ def angle(degrees):
 
 
 def view_name(view):
-    """tvTTT_pvPPP: the folder of a view, and the name of its positions."""
+    """tvTTT_pvPPP: the name of a view's folder and of its file of positions."""
     return f'tv{angle(view[0])}_pv{angle(view[1])}'
 
 
 def image_name(view, light, number):
-    """The path of an image below the data set, in the layout of UBO2003. number: views * light + view."""
+    """The path of an image within the data set, in the layout of UBO2003. number: n_views * light + view."""
     return (f'{view_name(view)}/{number:05d} tl{angle(light[0])} pl{angle(light[1])} '
             f'tv{angle(view[0])} pv{angle(view[1])}.exr')
 

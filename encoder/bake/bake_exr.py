@@ -1,7 +1,7 @@
-"""OpenEXR and PNG images as arrays: what Blender's renderer hands over, and what is written beside its images.
+"""Reads the OpenEXR images that Blender's renderer writes as arrays, and writes arrays as OpenEXR and PNG images.
 
-Needs numpy, which Blender brings along. Reads scan lines of any float, half or unsigned channels, without compression or
-by ZIP; that is what Blender writes here, no reader for the files of others.
+Needs numpy, which Blender brings along. It reads scan lines of float, half or unsigned channels, uncompressed or
+compressed by ZIP, because Blender writes no others here. It is no reader for files of other programs.
 
 SPDX-License-Identifier: MIT
 """
@@ -16,9 +16,9 @@ TYPES = {0: '<u4', 1: '<f2', 2: '<f4'}  # pixel types UINT, HALF, FLOAT
 
 
 def _header(data):
-    """({name: (type, value)}, offset behind it) of a single-part file."""
+    """Returns ({name: (type, value)}, offset of the first byte after the header) of a single-part file."""
     magic, version = struct.unpack_from('<II', data)
-    if magic != MAGIC or version & 0x1a00:  # bits: tiles, deep data, several parts
+    if magic != MAGIC or version & 0x1a00:  # the flags of tiles (0x200), deep data (0x800) and several parts (0x1000)
         raise ValueError('no OpenEXR file of one part of scan lines')
     attributes, at = {}, 8
 
@@ -46,9 +46,9 @@ def _channels(value):
 
 
 def _unzip(block, size):
-    """The bytes of a block that ZIP compressed: after zlib a sum of differences, and two interleaved halves."""
+    """Undoes OpenEXR's ZIP compression of a block: inflates it, adds up the differences, interleaves its two halves."""
     if len(block) == size:
-        return block  # did not shrink, so it is stored
+        return block  # a block that compression would not have made smaller is stored as it is
     coded = numpy.frombuffer(zlib.decompress(block), numpy.uint8).astype(numpy.int64)
     coded[1:] -= 128
     summed = (numpy.cumsum(coded) & 255).astype(numpy.uint8)
@@ -58,7 +58,7 @@ def _unzip(block, size):
 
 
 def read(path):
-    """{channel: array [row][column] of float32, row 0 at the top}. Raises OSError, ValueError."""
+    """Returns {channel: array [row][column] of float32, row 0 at the top}. Raises OSError, ValueError."""
     with open(path, 'rb') as file:
         data = file.read()
     attributes, at = _header(data)
@@ -87,13 +87,13 @@ def read(path):
 
 
 def read_rgb(path):
-    """[row][column][3] of an image with channels R, G, B."""
+    """Returns [row][column][3] of an image with channels R, G, B."""
     images = read(path)
     return numpy.stack([images[name] for name in 'RGB'], 2)
 
 
 def _write_whole(path, data):
-    """Beside it and renamed, so that a file of this name is whole."""
+    """Writes the data to a file beside `path` and renames it, so that a file of this name is always whole."""
     folder, name = os.path.split(path)
     beside = os.path.join(folder, f'.{name}.{os.getpid()}.part')
     try:

@@ -19,7 +19,7 @@ from mathutils import Matrix, Vector
 import bake_directions
 from bake_settings import BAD_FILE, IO, UNSUPPORTED, BakeError
 
-OLDEST = 3, 0  # Blender with the position pass
+OLDEST = 3, 0  # the first version of Blender whose Cycles has the position pass
 GEOMETRY = {'MESH', 'CURVE', 'SURFACE', 'META', 'FONT', 'CURVES', 'POINTCLOUD', 'VOLUME', 'EMPTY'}
 MOST_RINGS = 8  # of copies: 17 x 17 tiles
 LAYER = 'bake'
@@ -78,7 +78,7 @@ class Bounds:
     def __init__(self, depsgraph):
         self.low, self.high = numpy.full(3, numpy.inf), numpy.full(3, -numpy.inf)
         self.triangles, self.bare = 0, []
-        self.furthest = {}  # {(axis, sign): (coordinate, name)}
+        self.furthest = {}  # {(axis, sign): (coordinate, name of the object that reaches it)}
         cache = {}
         for instance in depsgraph.object_instances:
             drawn = instance.object
@@ -101,7 +101,7 @@ class Bounds:
             self.high = numpy.maximum(self.high, placed.max(0))
 
     def _points(self, drawn):
-        """(corners of an object in its own space, number of triangles)."""
+        """Returns (vertices of an object in its own space, number of its triangles)."""
         if drawn.type in ('MESH', 'CURVE', 'SURFACE', 'META', 'FONT'):
             mesh = drawn.to_mesh()
             if mesh is not None and len(mesh.polygons) > 0:
@@ -121,7 +121,7 @@ class Bounds:
 
 
 class BakeScene:
-    """The scene of one bake. Use as a context manager: what it made is removed at the end."""
+    """The scene of one bake. Use as a context manager: at the end it removes what it made."""
 
     def __init__(self, settings):
         self.settings, self._made, self._shown = settings, [], None
@@ -164,7 +164,7 @@ class BakeScene:
         scene.world = None  # black
 
         scene.view_layers[0].update()
-        # Objects take their places of a frame from the scene that the file shows; it is put back at the end.
+        # Animated objects follow the frame of the scene that the file shows. Its frame is restored at the end.
         self._shown = source, source.frame_current
         frame = s.frame if s.frame >= 0 else source.frame_current
         if frame != source.frame_current:
@@ -177,7 +177,8 @@ class BakeScene:
             raise BakeError(BAD_FILE, f"object '{self.bounds.bare[0]}' has faces without a material"
                             + (f', and so have {len(self.bounds.bare) - 1} more' if self.bounds.bare[1:] else ''))
 
-        # From where to where there is something; a material may displace it by as much as that again.
+        # The heights between which geometry may lie: those of the mesh, widened by its own extent on both sides, as a
+        # material may displace it.
         low, high = float(self.bounds.low[2]), float(self.bounds.high[2])
         self.heights = low - (high - low), high + (high - low) + max(s.tile[2:])
 
@@ -217,19 +218,20 @@ class BakeScene:
         return rings[0], rings[1], max(needed)
 
     def shine(self, on):
-        """The sun's irradiance at normal incidence is its strength: with pi, radiance is radiance x pi / irradiance, the
-        value of decoder/FORMAT.md, so that a white plane gives cos(theta_l)."""
+        """Turns the sun on or off. Its irradiance at normal incidence is its strength in Blender. With a strength of
+        pi, the rendered radiance is the value that decoder/FORMAT.md defines (radiance x pi / irradiance), so that a
+        white plane gives cos(theta_l)."""
         self.light.energy = math.pi if on else 0.0
 
     def set_light(self, light):
         self.sun.rotation_quaternion = Vector(bake_directions.vector(light)).to_track_quat('Z', 'Y')
 
     def set_view(self, view, aside=0.0):
-        """Points the camera: parallel rays that pass through the reference plane on the texels' grid, shifted by `aside`
-        texels."""
+        """Points the camera, so that its parallel rays pass through the reference plane at the centres of texels,
+        shifted by `aside` texels."""
         x, y, z = bake_directions.vector(view)
         tile, low, high = self.settings.tile, *self.heights
-        # Above all that there is; not far, for the sake of float coordinates.
+        # Above all geometry, but not far above, so that float coordinates stay accurate.
         top = max(high, self.settings.z) + 0.05 * (high - low) + 0.01 * max(tile[2:])
         along = (top - self.settings.z) / z
         foot = (tile[0] + tile[2] * (0.5 + aside / self.settings.texels[0]),
@@ -240,7 +242,7 @@ class BakeScene:
         self.camera.data.clip_end = 2 * (top - low + max(tile[2:])) / z
 
     def render(self, path, seed):
-        """Renders to `path`, as it is set. Raises BakeError."""
+        """Renders an image with the camera and the sun as they are set, and writes it to `path`. Raises BakeError."""
         self.scene.cycles.seed = seed
         self.scene.render.filepath = path
         try:
@@ -250,7 +252,8 @@ class BakeScene:
 
 
 def configure(scene, s, source):
-    """Settings of the renderer that decide values: nothing is left to the file or to a version's defaults."""
+    """Makes all settings of the renderer on which pixel values depend: none is left to the file or to Blender's
+    defaults, which differ between versions."""
     r, c = scene.render, scene.cycles
     try:
         r.engine = 'CYCLES'
@@ -260,7 +263,7 @@ def configure(scene, s, source):
     c.shading_system = False  # Open Shading Language
     r.threads_mode, r.threads = ('FIXED', s.threads) if s.threads else ('AUTO', r.threads)
     r.use_persistent_data = True  # scene and hierarchy stay in memory from image to image
-    # The texels: a box filter of one texel, whatever their shape.
+    # Pixels: texels of any shape, each the mean over its own area (a box filter).
     set_size(scene, s)
     r.use_border = False
     # Values: linear as rendered, nothing clamped, blurred or denoised.
@@ -276,7 +279,7 @@ def configure(scene, s, source):
     c.max_bounces = c.diffuse_bounces = c.glossy_bounces = c.transmission_bounces = c.volume_bounces = s.bounces
     c.min_light_bounces = c.min_transparent_bounces = 0
     c.transparent_max_bounces = max(source.cycles.transparent_max_bounces, 8)
-    # The file: float OpenEXR of one part.
+    # The output file: OpenEXR of one part, float.
     r.use_file_extension, r.use_overwrite, r.use_placeholder = False, True, False
     for name in dir(r):
         if name.startswith('use_stamp'):
@@ -285,7 +288,7 @@ def configure(scene, s, source):
 
 
 def write_image(scene, samples):
-    """Renders are written as images R, G, B, of this many samples."""
+    """Makes later renders write images of channels R, G, B with `samples` paths a pixel."""
     image = scene.render.image_settings
     if hasattr(image, 'media_type'):  # Blender 5
         image.media_type = 'IMAGE'
@@ -301,7 +304,7 @@ def write_image(scene, samples):
 
 
 def write_passes(scene):
-    """Renders are written with positions and depths, of rays through the centres of pixels."""
+    """Makes later renders write the positions and depths that rays through the centres of pixels meet."""
     image = scene.render.image_settings
     if hasattr(image, 'media_type'):
         image.media_type = 'MULTI_LAYER_IMAGE'

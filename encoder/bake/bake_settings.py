@@ -23,8 +23,8 @@ class BakeError(Exception):
 
 @dataclasses.dataclass
 class Settings:
-    """All that a bake is told. Lengths are those of the scene."""
-    output: str = ''          # folder of the data set, made if need be; none is written where it is empty
+    """All options of a bake. Lengths are in units of the scene."""
+    output: str = ''          # folder of the data set, made if need be; empty: no data set is written
     collection: str = 'BTF'   # what is baked: the objects of this collection and of those in it,
     objects: tuple = ()       # or the objects of these names instead
     tile: tuple = (0.0, 0.0, 1.0, 1.0)  # x, y of the low corner, width, height
@@ -34,15 +34,15 @@ class Settings:
     directions: str = 'ubo'   # views and lights: a list as bake_directions.parse takes it
     views: str = ''           # views, where they differ
     lights: str = ''          # lights, where they differ
-    pairs: str = ''           # instead of a grid: a text file of pairs of view and light
+    pairs: str = ''           # a text file of pairs of view and light, to be rendered instead of a grid
     samples: int = 16         # paths a texel and image
     bounces: int = 4          # reflections that Cycles follows after the light's first; 0: direct light alone
     sun_angle: float = 0.5    # angular diameter of the light, degrees
-    seed: int = 0             # of the noise: another seed, other noise
+    seed: int = 0             # of the random numbers: another seed gives other noise
     frame: int = -1           # of an animated scene; -1: the frame that the file was saved at
     threads: int = 0          # 0: all cores
-    part: tuple = (1, 1)      # (i, n): of every n images the i-th, so that n processes or machines share the work
-    position: str = ''        # folder for where each texel looks, an EXR file a view; none is written where it is empty
+    part: tuple = (1, 1)      # (i, n): only the i-th of every n images, so that n processes or machines share the work
+    position: str = ''        # folder for the points that texels show, an EXR file a view; empty: none are written
     preview: str = ''         # PNG file of a few pairs instead of a data set
     strict: bool = False      # warnings about the scene end the bake
 
@@ -57,7 +57,7 @@ class Settings:
         need(self.tile[2] > 0 and self.tile[3] > 0,
              f'--tile: a tile of {self.tile[2]:g} x {self.tile[3]:g} has no area')
         need(all(1 <= side <= 8192 for side in self.texels), f'--texels: {self.texels} are not within 1..8192')
-        # Blender's limit of the shape of a pixel, which carries the ratio.
+        # The ratio of a texel's sides becomes Blender's pixel aspect, which has this limit.
         shape = self.tile[2] * self.texels[1] / (self.tile[3] * self.texels[0])
         need(1 / 200 <= shape <= 200, f'--tile, --texels: a texel is {shape:g} times as wide as high, not within 1/200..200')
         need(1 <= self.samples <= 65536, f'--samples: {self.samples} is not within 1..65536')
@@ -74,7 +74,7 @@ class Settings:
         self.lists()
 
     def lists(self):
-        """(views, lights) of a grid, each a list of (theta, phi). Raises BakeError."""
+        """Returns (views, lights) of a grid, each a list of (theta, phi). Raises BakeError."""
         try:
             views = bake_directions.parse(self.views or self.directions)
             lights = bake_directions.parse(self.lights or self.directions)
@@ -83,8 +83,8 @@ class Settings:
         return views, lights
 
     def images(self):
-        """[(name, view, light)] of all images of the data set, in the order in which they are rendered: view by view.
-        Raises BakeError."""
+        """Returns [(name, view, light)] of all images of the data set, in the order in which they are rendered: view by
+        view. Raises BakeError."""
         if self.pairs:
             try:
                 found = bake_directions.pairs(self.pairs)
@@ -96,11 +96,11 @@ class Settings:
                 for v, view in enumerate(views) for l, light in enumerate(lights)]
 
     def own_images(self):
-        """Those of self.images() that belong to self.part."""
+        """The images of self.images() that belong to self.part."""
         return self.images()[self.part[0] - 1::self.part[1]]
 
     def record(self):
-        """Those settings that decide the values of the images, for the file that says how a data set was made."""
+        """The settings on which the values of the images depend, for the file that says how a data set was made."""
         kept = ('collection', 'objects', 'tile', 'z', 'repeat', 'texels', 'samples', 'bounces', 'sun_angle', 'seed', 'frame')
         record = {name: getattr(self, name) for name in kept}
         if self.objects:
@@ -110,7 +110,7 @@ class Settings:
 
 
 def from_json(text):
-    """Settings from the text of a JSON object; raises BakeError at a name that is none."""
+    """Returns Settings from the text of a JSON object. Raises BakeError at a name that is no member of Settings."""
     values = json.loads(text)
     known = {field.name for field in dataclasses.fields(Settings)}
     if not known.issuperset(values):

@@ -21,8 +21,8 @@ import tempfile
 import time
 
 HERE = os.path.dirname(os.path.realpath(__file__))
-INSTALLED = '@modules@'  # from the folder of the tool to that of the modules, in an installation
-VERSION = '@version@'  # likewise
+INSTALLED = '@modules@'  # meson puts in the path from the installed tool's folder to that of the modules
+VERSION = '@version@'  # meson puts in the version
 MODULES = HERE if os.path.exists(os.path.join(HERE, 'btf_bake.py')) else os.path.normpath(os.path.join(HERE, INSTALLED))
 sys.path.insert(0, MODULES)
 sys.dont_write_bytecode = True
@@ -58,7 +58,7 @@ Example:
 
 
 class Parser(argparse.ArgumentParser):
-    def format_help(self): # as the other tools begin
+    def format_help(self): # begins as the help of the other tools does
         return super().format_help().replace('usage: ', 'Usage: ', 1)
 
     def error(self, message):
@@ -182,7 +182,7 @@ def settings_of(options, more):
 
 
 def check_scene(path):
-    """Raises BakeError where a file is none of Blender's."""
+    """Raises BakeError where the file is not a Blender file."""
     try:
         with open(path, 'rb') as file:
             first = file.read(7)
@@ -275,11 +275,12 @@ def bake(blender, scene, settings, quiet):
         with open(asked, 'w', encoding='utf-8') as file:
             json.dump(dataclasses.asdict(settings), file)
         reader, writer = os.pipe()
-        # Without the user's settings and the scripts of the file, which would decide what comes out, or could do anything.
+        # Blender ignores the user's settings, on which the images would depend, and runs no scripts of the file, which
+        # could do anything.
         command = [blender, '--background', '--factory-startup', '--disable-autoexec', '-noaudio', os.path.abspath(scene),
                    '--python', os.path.join(MODULES, 'btf_bake.py'), '--', asked, os.path.abspath(scene), str(writer)]
         with open(log, 'wb') as output:
-            # In a session of its own: Ctrl-C goes to the driver alone, which ends Blender.
+            # Blender runs in a session of its own, so that Ctrl-C reaches the driver alone, which then ends Blender.
             child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, pass_fds=[writer],
                                      start_new_session=True, env=environment(blender, scratch))
         os.close(writer)

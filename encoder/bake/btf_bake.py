@@ -30,7 +30,7 @@ import bake_settings  # noqa: E402
 from bake_directions import view_name  # noqa: E402
 from bake_settings import BAD_FILE, INTERNAL, IO, UNSUPPORTED, BakeError, Settings  # noqa: E402
 
-settings = Settings  # either name
+settings = Settings  # callers may use either name
 
 RECORD = 'bake.json'  # in the folder of a data set or of positions: how it was made
 PREVIEW_VIEWS = ((0.0, 0.0), (45.0, 60.0), (75.0, 300.0))
@@ -63,7 +63,7 @@ class Output:
         prefix = f'.bake-{socket.gethostname()}-'
         try:
             os.makedirs(folder, exist_ok=True)
-            for name in os.listdir(folder):  # of runs that were killed on this machine
+            for name in os.listdir(folder):  # removes what runs left that were killed on this machine
                 if name.startswith(prefix) and not _runs(name[len(prefix):].split('-')[0]):
                     os.remove(os.path.join(folder, name))
             self.beside = os.path.join(folder, f'{prefix}{os.getpid()}-{os.urandom(4).hex()}')
@@ -93,8 +93,8 @@ class Output:
 
 
 def _runs(pid):
-    """Whether a process of this machine runs, as far as can be told: True is the answer that deletes nothing."""
-    if os.name == 'nt':  # os.kill would end it there
+    """Whether a process of this machine runs. Where that cannot be told it returns True, so that nothing is deleted."""
+    if os.name == 'nt':  # on Windows os.kill ends the process, whatever the signal
         return True
     try:
         os.kill(int(pid), 0)
@@ -127,7 +127,7 @@ class DoneList:
                 for name in there:
                     file.write(f'{seconds.get(name, "?")}\t{name}\n')
             os.replace(beside, self.path)
-            self.file = open(self.path, 'a', encoding='utf-8')  # only now: Windows renames no open file
+            self.file = open(self.path, 'a', encoding='utf-8')  # opened after the renaming: Windows renames no open file
         except OSError as error:
             raise _unwritable(error, self.path) from None
 
@@ -155,29 +155,30 @@ def _record(settings):
     record = settings.record()
     record['blender'] = bpy.app.version_string
     record['scene'] = os.path.basename(bpy.data.filepath)
-    # What was changed since it was saved, as an add-on may find it, has no hash.
+    # A scene that was changed since it was saved, as the add-on may meet one, has no hash.
     record['scene_sha256'] = '' if bpy.data.is_dirty or not bpy.data.filepath else _file_hash(bpy.data.filepath)
     record['linked_sha256'] = _linked_hash(bpy.utils.blend_paths(absolute=True))
     return record
 
 
 def _linked_hash(paths):
-    """One hash of the contents of the images, libraries and caches that a scene names. Not of their paths, which another
-    machine has elsewhere. Empty where there is none."""
+    """One hash over the contents of all images, libraries and caches that a scene names; empty where it names none.
+    Paths are not hashed, since they differ between machines."""
     found = sorted(_file_hash(path) for path in set(paths) if os.path.isfile(path))
     return hashlib.sha256(' '.join(found).encode()).hexdigest() if found else ''
 
 
 def _position_record(record):
-    """Of a record, those parts that decide where texels look. `holds` tells the folder from that of images."""
+    """The parts of a record on which the points that texels show depend. `holds` tells a folder of positions from one
+    of images."""
     kept = ('collection', 'objects', 'tile', 'z', 'repeat', 'texels', 'frame', 'blender', 'scene', 'scene_sha256',
             'linked_sha256')
     return {'holds': 'positions', **{name: record[name] for name in kept}}
 
 
 def compare_record(record, output, report):
-    """Compares the record of a bake with the one in the folder. Returns whether there is one; raises BakeError where the
-    folder holds something else."""
+    """Compares the record of a bake with the one in the folder. Returns whether the folder has one. Raises BakeError
+    where the folder holds another bake."""
     path = os.path.join(output.folder, RECORD)
     try:
         strangers = sorted(name for name in os.listdir(output.folder) if not name.startswith('.'))
@@ -193,7 +194,7 @@ def compare_record(record, output, report):
         raise BakeError(IO, f'{path}: {error}') from None
     if not isinstance(before, dict):
         raise BakeError(IO, f'{path}: not a record of a bake')
-    before.setdefault('linked_sha256', '')  # of versions before it
+    before.setdefault('linked_sha256', '')  # records of older versions lack it
     differ = [name for name in record if before.get(name) != record[name]]
     if not (record['scene_sha256'] and before.get('scene_sha256')):
         report('warning', text=f'{path}: unsaved changes of the scene have no hash: nothing tells whether the files that are '
@@ -209,18 +210,21 @@ def compare_record(record, output, report):
 
 
 def write_record(record, output):
-    """Writes the record of a folder, which other parts may do at the same time: it is the same file."""
+    """Writes the record of a folder. Processes that bake other parts may do so at the same time, with the same
+    bytes."""
     output.write(RECORD, (json.dumps(record, indent=1) + '\n').encode())
 
 
 def image_seed(seed, view, light):
-    """A seed for each image, so that the noise of no two is alike; of the pair alone, not of the list it stands in."""
+    """The seed of an image, so that no two have the same noise. It depends on the pair of directions and not on the
+    list that the pair stands in."""
     return zlib.crc32(f'{seed} {view} {light}'.encode()) & 0x7fffffff
 
 
 def render_images(settings, baking, output, rendered, report):
-    """Renders what is missing of this part, view by view. rendered: path of the file that Blender writes; it holds times of
-    the run, so that its pixels go into a file of our own. Returns the number of images rendered."""
+    """Renders the missing images of this part, view by view. rendered: path of the file that Blender writes. That file
+    holds the time of the run, so its pixels are written anew to one whose bytes are the same in every run. Returns the
+    number of images rendered."""
     import bake_exr
     own = settings.own_images()
     todo = [each for each in own if not output.has(each[0])]
@@ -245,7 +249,7 @@ def render_images(settings, baking, output, rendered, report):
 
 
 def render_positions(settings, baking, output, views, rendered, report):
-    """Writes where each texel looks, an EXR file a view. rendered: path of the file that Blender writes."""
+    """Writes the point that each texel shows, an EXR file a view. rendered: path of the file that Blender writes."""
     import bake_checks
     import bake_exr
     comment = ('R, G, B: x, y, z of the point that the ray through the centre of a texel meets, from the low corner of the tile '
@@ -348,7 +352,8 @@ def run(settings, report=None):
 
 
 def main():
-    """As the driver starts it: reports are lines of JSON to a descriptor, the last one of kind 'end' or 'error'."""
+    """Runs as the driver's child: writes reports as lines of JSON to a file descriptor, the last of kind 'end' or
+    'error'."""
     path, scene, descriptor = sys.argv[sys.argv.index('--') + 1:]
     pipe = os.fdopen(int(descriptor), 'w', encoding='utf-8')
 
@@ -356,9 +361,9 @@ def main():
         try:
             pipe.write(json.dumps({'kind': kind, **values}) + '\n')
             pipe.flush()
-        except BrokenPipeError:  # the driver was killed, and did not remove its folder
+        except BrokenPipeError:  # the driver was killed before it could remove its folder
             folder = os.path.dirname(path)
-            if os.path.basename(folder).startswith('btf-bake-'):  # not where someone else keeps settings
+            if os.path.basename(folder).startswith('btf-bake-'):  # only a folder that the driver made
                 shutil.rmtree(folder, ignore_errors=True)
             os._exit(bake_settings.INTERRUPTED)
 

@@ -23,6 +23,13 @@ enc_bands enc_bands_make(const enc_direction *directions, int count);
 int enc_bands_members(const enc_bands *bands, int band, const enc_direction *directions, int count,
                       int out_members[ENC_MAX_DIRECTIONS]);
 
+/* Draws a direction of a band, uniformly over its solid angle; seeds of two draws differ by 2 or more. */
+void enc_bands_draw(const enc_bands *bands, int band, uint64_t seed, float out_direction[3]);
+
+/* Draws one of the sampled directions of a band; of a band without any, the first of all. */
+void enc_bands_draw_sample(const enc_bands *bands, int band, const enc_direction *directions, int count,
+                           uint64_t seed, float out_direction[3]);
+
 /* The numbers that a table begins with: counts and limits of both. Returns where its rows begin. */
 float *enc_bands_write(const enc_bands *views, const enc_bands *lights, float *out);
 

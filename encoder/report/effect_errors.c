@@ -31,8 +31,6 @@ enum {
     ROW_HEAD = 5
 };
 
-#define DEGREE (3.14159265358979323846 / 180)
-
 /* Column 3 of a row. */
 typedef enum kind { INTERPOLATED, NEAREST, AT_SAMPLES, VIEW_AT_SAMPLE, LIGHT_AT_SAMPLE, KINDS } kind;
 
@@ -146,28 +144,6 @@ static void make_variants(job *j, const btf_material_info *info) {
     }
 }
 
-static double unit(uint64_t seed) {
-    return (double)(enc_mix(seed) >> 11) * 0x1p-53;
-}
-
-/* Uniform over the solid angle of a band. */
-static void pick(const enc_bands *b, int band, uint64_t seed, float out[3]) {
-    const double low = cos(b->limit[band] * DEGREE), high = cos(b->limit[band + 1] * DEGREE);
-    const double z = low + (high - low) * unit(seed), phi = 360 * DEGREE * unit(seed + 1),
-                 s = sqrt(1 - z * z);
-    out[0] = (float)(s * cos(phi));
-    out[1] = (float)(s * sin(phi));
-    out[2] = (float)z;
-}
-
-/* One of the sampled directions of a band. */
-static void pick_sample(const enc_bands *b, int band, const enc_direction *directions, int count,
-                        uint64_t seed, float out[3]) {
-    int inside[ENC_MAX_DIRECTIONS];
-    const int n = enc_bands_members(b, band, directions, count, inside);
-    memcpy(out, directions[n > 0 ? inside[enc_mix(seed) % (uint64_t)n] : 0].xyz, 3 * sizeof *out);
-}
-
 /* The data between samples: profiles[view][channel][light] of a texel, weighted. */
 static void interpolate(const enc_data *data, const float *profiles, const btf_ref_neighbours *views,
                         const btf_ref_neighbours *lights, float out[3]) {
@@ -273,10 +249,12 @@ static btf_result measure_texel(const void *user, size_t index, size_t texel, co
             const int view_band = (int)(cell / (size_t)j->lights.count);
             const int light_band = (int)(cell % (size_t)j->lights.count);
             pair between, at, pairs[KINDS];
-            pick(&j->views, view_band, seed, between.view);
-            pick(&j->lights, light_band, seed + 2, between.light);
-            pick_sample(&j->views, view_band, j->data->views, j->data->n_views, seed + 4, at.view);
-            pick_sample(&j->lights, light_band, j->data->lights, j->data->n_lights, seed + 5, at.light);
+            enc_bands_draw(&j->views, view_band, seed, between.view);
+            enc_bands_draw(&j->lights, light_band, seed + 2, between.light);
+            enc_bands_draw_sample(&j->views, view_band, j->data->views, j->data->n_views, seed + 4,
+                                  at.view);
+            enc_bands_draw_sample(&j->lights, light_band, j->data->lights, j->data->n_lights, seed + 5,
+                                  at.light);
             for (int kind = INTERPOLATED; kind < KINDS; kind++) {
                 const bool at_view = kind == AT_SAMPLES || kind == VIEW_AT_SAMPLE;
                 const bool at_light = kind == AT_SAMPLES || kind == LIGHT_AT_SAMPLE;

@@ -29,7 +29,7 @@ def report(name, right, complaint=''):
 
 
 def there():
-    """What of the add-on Blender knows: the setting of a scene, operators, panels, a line of a menu."""
+    """Lists what the add-on has registered with Blender: a scene's settings, operators, panels, a menu entry."""
     menu = [each for each in bpy.types.TOPBAR_MT_file_export._dyn_ui_initialize() if each.__module__.startswith(MODULE)]
     classes = [name for name in ('MATERIAL_PT_btf_bake', 'MATERIAL_PT_btf_bake_more', 'BTF_OT_bake', 'BTF_OT_export',
                                  'BTF_OT_preview')
@@ -38,7 +38,7 @@ def there():
 
 
 def refused(operator, **options):
-    """The message with which an operator refuses, or an empty text."""
+    """Returns the message with which an operator refuses, or an empty text where it runs."""
     try:
         operator(**options)
     except RuntimeError as error:
@@ -51,13 +51,13 @@ def images(folder):
 
 
 def values_of(folder):
-    """All images, as one array."""
+    """All images of the folder, as one array."""
     import bake_exr
     return numpy.array([bake_exr.read_rgb(os.path.join(folder, name)) for name in images(folder)])
 
 
 def check_settings():
-    """Each setting of a bake can be set, and has the default that it has elsewhere."""
+    """Each setting of a bake can be set in Blender, and has the default of bake_settings.Settings."""
     from bake_settings import Settings
     from openbtf_bake import properties
     own, default = bpy.context.scene.btf_bake, Settings()
@@ -73,7 +73,8 @@ def check_settings():
 
 
 class Layout:
-    """Stands for a panel's layout, which Blender has with a window only: takes what is drawn, where it exists."""
+    """Stands in for a panel's layout, which Blender has with a window only: keeps what a panel draws, and raises where
+    that does not exist."""
 
     def __init__(self):
         self.drawn = set()
@@ -93,7 +94,7 @@ class Layout:
 
     def operator(self, name, **_):
         family, own = name.split('.')
-        getattr(getattr(bpy.ops, family), own).get_rna_type()  # raises where there is none
+        getattr(getattr(bpy.ops, family), own).get_rna_type()  # raises where there is no such operator
         self.drawn.add(name)
 
     def label(self, text, **_):
@@ -113,7 +114,7 @@ def check_panel():
     panel.menu(types.SimpleNamespace(layout=layout), bpy.context)
     lacking = set(properties.BTFSettings.names()) - layout.drawn
     report('addon-panel-has-every-setting', not lacking, f'not drawn: {lacking}')
-    # Not the preview's picture: without a window Blender makes no icons.
+    # The picture of the preview is not checked: without a window Blender makes no icons.
     report('addon-panel-draws', {'btf.preview', 'btf.bake', 'btf.export', '25 images of 8 x 8 texels'} <= layout.drawn,
            f'{layout.drawn}')
 
@@ -129,7 +130,7 @@ def check_bakes(encoder):
     report('addon-export', bpy.ops.btf.export(filepath=os.path.abspath('within.btf.exr')) == {'FINISHED'} and
            os.path.getsize('within.btf.exr') > 1000, 'no material')
 
-    # The same beside the window: another process, whose images are the same.
+    # The same bake beside the window: another process renders the same images.
     from openbtf_bake import job
     made = job.Job(own.settings(bpy.context, output=os.path.abspath('beside')),
                    [encoder, os.path.abspath('beside'), '-o', os.path.abspath('beside.btf.exr'), '-q'])
@@ -153,7 +154,7 @@ def check_bakes(encoder):
     bad.close()
     report('addon-job-error', "'none'" in bad.error, bad.error)
     stopped = job.Job(own.settings(bpy.context, output=os.path.abspath('stopped'), samples=1024))
-    while not stopped.done and '25' not in stopped.said:  # as Esc does while images are rendered
+    while not stopped.done and '25' not in stopped.said:  # until images are rendered; then it is stopped, as by Esc
         stopped.poll()
         time.sleep(0.01)
     rendering = not stopped.done

@@ -1,9 +1,9 @@
-"""Looks at scenes of encoder/bake/scenes as Blender reads them.
+"""Checks the scenes of encoder/bake/scenes as Blender reads them.
 
     blender -b --factory-startup --python-exit-code 1 -P check_scene.py -- FILE...
 
 Prints a line for each check in the form that tests/summary.py counts, and exits 1 where one fails. Each check is also
-made of a copy that is broken on purpose, where it has to fail.
+made on a copy that is broken on purpose, where it has to fail.
 
 SPDX-License-Identifier: MIT
 """
@@ -19,7 +19,7 @@ FAILED = []
 
 
 def report(name, complaint):
-    """complaint: what is wrong, or nothing."""
+    """Prints the result of a check. complaint: the fault, empty where there is none."""
     print(f'[ RUN      ] {name}')
     if complaint:
         print(complaint)
@@ -28,7 +28,7 @@ def report(name, complaint):
 
 
 def meshes():
-    """Of the collection BTF: name, vertices (n, 3) in the world, triangles (m, 3)."""
+    """(name, vertices (n, 3) in the world, triangles (m, 3)) of each mesh of the collection BTF."""
     found = []
     for each in bpy.data.collections['BTF'].all_objects:
         mesh = each.data
@@ -57,20 +57,21 @@ def wrong_size(parts):
 
 
 def open_edges(triangles):
-    """Vertices on edges that one triangle alone has."""
+    """Vertices on open edges: those that belong to one triangle alone."""
     edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     edges, times = np.unique(edges, axis=0, return_counts=True)
     return np.unique(edges[times == 1])
 
 
 def welded(vertices, triangles):
-    """Triangles whose corners in the same place are one vertex."""
+    """The triangles with corners at the same place merged into one vertex."""
     _, first, which = np.unique(np.round(vertices, 6), axis=0, return_index=True, return_inverse=True)
     return vertices[first], which.reshape(-1)[triangles]
 
 
 def wrong_ends(parts):
-    """Where a body is cut open, the copy in the next tile has to go on: an end at x has one at x + 1 or x - 1."""
+    """Complaints about bodies that are cut open where the copy in the next tile does not go on: an open end at x needs
+    one at x + 1 or x - 1."""
     for name, vertices, triangles in parts:
         vertices, triangles = welded(vertices, triangles)
         ends = vertices[open_edges(triangles)]
@@ -85,7 +86,8 @@ def wrong_ends(parts):
 
 
 def heights(parts, side):
-    """(side, side) heights at the middles of cells of the tile among its eight neighbours, by rays from above."""
+    """(side, side) heights at the centres of cells of the tile, found by rays from above; its eight neighbours are
+    there too."""
     vertices, triangles, count = [], [], 0
     for dx in (-1, 0, 1):
         for dy in (-1, 0, 1):
@@ -104,14 +106,15 @@ def heights(parts, side):
 
 
 def wrong_seam(parts):
-    """No hole; and at the edges of the tile the surface is as high, and as rough, as elsewhere."""
+    """Complaints about holes, and about a seam: at the edges of the tile the surface must be as high and as rough as
+    elsewhere."""
     seen = heights(parts, 96)
     if np.isnan(seen).any():
         return f'{np.isnan(seen).sum()} of {seen.size} rays from above meet nothing'
     deviation = seen.std()
     for axis in (0, 1):
         lines = seen.mean(axis=1 - axis)
-        # Means of strips as wide as the seam is likely to be wrong, the seam in the middle of the first.
+        # Means of strips of 8 lines, about as wide as a faulty seam; the seam lies in the middle of the first.
         strips = np.roll(lines, 4).reshape(12, 8).mean(axis=1)
         if abs(strips[0] - strips[1:].mean()) > max(3.5 * strips[1:].std(), 0.15 * deviation):
             return f'mean height {strips[0]:.4f} at the edge across {"xy"[axis]}, elsewhere {strips[1:].mean():.4f}'
@@ -122,7 +125,7 @@ def wrong_seam(parts):
 
 
 def loose(vertices, triangles, size):
-    """Bodies of so many vertices each that stand one after the other."""
+    """Yields (vertices, triangles) of the bodies of a mesh that holds bodies of `size` vertices one after the other."""
     assert len(vertices) % size == 0
     for first in range(0, len(vertices), size):
         mine = (triangles[:, 0] >= first) & (triangles[:, 0] < first + size)
@@ -130,7 +133,7 @@ def loose(vertices, triangles, size):
 
 
 def wrong_contact(parts, most):
-    """Stones and their copies in neighbouring tiles run into one another by no more than `most`."""
+    """Complaints about stones, or copies in neighbouring tiles, that run into one another by more than `most`."""
     stones = next((v, t) for name, v, t in parts if name.startswith('stones'))
     bodies = [(vertices, BVHTree.FromPolygons(vertices.tolist(), triangles.tolist(), all_triangles=True))
               for vertices, triangles in loose(*stones, 162)]
@@ -138,7 +141,7 @@ def wrong_contact(parts, most):
     for i, (vertices, _) in enumerate(bodies):
         for j, (_, tree) in enumerate(bodies):
             middle = (boxes[i][0] + boxes[i][1] - boxes[j][0] - boxes[j][1]) / 2
-            shift = -np.round(middle) * [1, 1, 0]  # the copy that is nearest
+            shift = -np.round(middle) * [1, 1, 0]  # to the copy that is nearest
             if i == j or (boxes[i][0] + shift > boxes[j][1]).any() or (boxes[i][1] + shift < boxes[j][0]).any():
                 continue
             moved = vertices + shift
@@ -150,7 +153,7 @@ def wrong_contact(parts, most):
 
 
 def with_part(parts, change):
-    """A copy whose first and largest mesh is changed."""
+    """A copy of the parts in which `change` was applied to the largest mesh, the first of that size."""
     largest = max(range(len(parts)), key=lambda k: len(parts[k][2]))
     return [(name, change(at.copy()), t) if k == largest else (name, at, t) for k, (name, at, t) in enumerate(parts)]
 
@@ -165,7 +168,7 @@ def raised(vertices):
 
 
 def jammed(vertices):
-    """One stone is put where the next one is."""
+    """The vertices with one stone moved to where the next one lies."""
     vertices[:162] += vertices[162:324].mean(axis=0) - vertices[:162].mean(axis=0)
     return vertices
 

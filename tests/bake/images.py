@@ -31,7 +31,7 @@ def hold(right, text):
 
 
 def images(folder):
-    """{path below the folder: (angles by key, image)}"""
+    """Returns {path within the folder: ({key: angle}, image)}."""
     found = {}
     for path in sorted(glob.glob(os.path.join(glob.escape(folder), 'tv*/*.exr'))):
         name = os.path.relpath(path, folder)
@@ -103,7 +103,7 @@ def grounded(folder):
     for azimuth, (dx, dy) in {0: (1, 0), 90: (0, 1), 180: (-1, 0), 270: (0, -1)}.items():
         seen = bake_exr.read_rgb(os.path.join(folder, f'tv045_pv{azimuth:03d}.exr'))
         rows, columns, _ = seen.shape
-        x, y = (0.05, 0.3 + 0.1 * dy) if dy else (0.5 + 0.3 * dx, 0.1)  # away from what stands on it
+        x, y = (0.05, 0.3 + 0.1 * dy) if dy else (0.5 + 0.3 * dx, 0.1)  # on the ground, away from the bodies
         own = numpy.array([(int(x * columns) + .5) / columns, (int(y * rows) + .5) / rows, 0])
         hold(abs(at(seen, x, y) - own).max() < 1e-3, f'ground from azimuth {azimuth}: {at(seen, x, y)}, at {own}')
 

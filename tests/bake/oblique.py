@@ -1,4 +1,4 @@
-"""The sheared camera against an ordinary orthographic one, whose picture is turned into texels by the homography.
+"""Compares the sheared camera with an ordinary orthographic one, whose picture a homography turns into texels.
 
     blender --background --factory-startup waves.blend --python oblique.py -- SOURCE_ROOT FOLDER
 
@@ -24,7 +24,7 @@ from bake_settings import Settings  # noqa: E402
 from mathutils import Matrix  # noqa: E402
 
 VIEW, LIGHT = (60.0, 36.0), (40.0, 120.0)
-TEXELS, FINE = 16, 256  # FINE: pixels along each side of the ordinary picture, of 2 x 2 tiles
+TEXELS, FINE = 16, 256  # FINE: pixels along each side of the ordinary picture, which shows 2 x 2 tiles
 
 settings = Settings(output='-', texels=(TEXELS, TEXELS), samples=256, bounces=1, views='60:1:36', lights='40:1:120')
 path = os.path.join(FOLDER, 'oblique.exr')
@@ -35,7 +35,8 @@ with bake_scene.BakeScene(settings) as baking:
     baking.render(path, 1)
     sheared = bake_exr.read_rgb(path)
 
-    # An orthonormal camera: right and up across the direction to the viewer, its picture centred on the tile.
+    # An ordinary camera: its axes right, up and back (the direction to the viewer) are orthonormal, and its picture is
+    # centred on the tile.
     back = numpy.array(bake_directions.vector(VIEW))
     right = numpy.cross((0, 0, 1), back)
     right /= numpy.linalg.norm(right)
@@ -49,7 +50,7 @@ with bake_scene.BakeScene(settings) as baking:
     baking.render(path, 2)
     ordinary = bake_exr.read_rgb(path)
 
-# Where points of the reference plane lie in the ordinary picture; 8 x 8 of them a texel, bilinear.
+# Projects points of the reference plane, 8 x 8 a texel, into the ordinary picture and reads them there bilinearly.
 fine = (numpy.arange(8 * TEXELS) + .5) / (8 * TEXELS)
 x, y = numpy.meshgrid(fine, 1 - fine)
 offset = numpy.stack([x - .5, y - .5, numpy.zeros_like(x)], 2)

@@ -54,7 +54,8 @@ def plane(name, z, materials, low=(0, 0), high=(1, 1)):
 
 
 def box(name, low, high, slope, materials):
-    """Walls and a top, without a floor. slope: how much lower the top is at the low y. materials: of the top, the walls."""
+    """A box without a floor. slope: how much lower the top is at the low y. materials: that of the top, that of the
+    walls."""
     points = [(x, y, z - (slope if z == high[2] and y == low[1] else 0)) for z in (low[2], high[2])
               for y in (low[1], high[1]) for x in (low[0], high[0])]
     faces = [(4, 5, 7, 6), (0, 1, 5, 4), (1, 3, 7, 5), (3, 2, 6, 7), (2, 0, 4, 6)]
@@ -85,7 +86,7 @@ def axes():
     plane('ground', -depth, [ground], (0, 0), (60 / 64, 60 / 64))
     plane('red', -depth, [material('red', (.5, .1, .1))], (60 / 64, 0), (1, 1))
     plane('green', -depth, [material('green', (.1, .5, .1))], (0, 60 / 64), (60 / 64, 1))
-    # Walls have the ground's colour: in btf-sample they lie in the cells around the post.
+    # The walls have the colour of the ground, because in btf-sample they belong to the cells around the post.
     box('post', (29 / 64, 29 / 64, -depth), (35 / 64, 35 / 64, 0), 0, [material('bright', (.9, .9, .9)), ground])
     box('ridge', (51 / 64, 10 / 64, -depth), (54 / 64, 32 / 64, -depth / 2), 0, [ground, ground])
     box('wedge', (10 / 64, 42 / 64, -depth), (22 / 64, 54 / 64, -depth / 2), depth / 2, [ground, ground])

@@ -1,5 +1,5 @@
 #!/bin/bash
-# The add-on for Blender: its zip, installed and used without a window.
+# Installs the add-on's zip in Blender and uses the add-on without a window.
 #
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh"

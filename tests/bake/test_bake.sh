@@ -1,5 +1,5 @@
 #!/bin/bash
-# btf-bake: what its images hold, what it says of bad scenes, and that it goes on after a kill.
+# btf-bake: the values of its images, its messages about bad scenes, and that it goes on after a kill.
 #
 #   test_bake.sh INTERPRETER    a Python with numpy
 #
@@ -48,7 +48,7 @@ expect 'an ordinary camera' 0 oblique
 close() { awk '{ exit !($1 < 0.01 && $2 > 0.999) }' oblique.txt; }
 expect_that 'and the homography give what the sheared camera gives' close
 
-# The tile continues at its edges: another part of the repeated surface is the same one, shifted.
+# The tile continues at its edges: a bake of another period of the surface gives the same images, shifted.
 wavy() { btf-bake waves.blend --texels 8 --directions 0:1,60:3 --samples 64 --bounces 0 "$@"; }
 expect 'a tile' 0 wavy -o waves
 expect 'the same surface from elsewhere' 0 wavy -o shifted --tile 0.5,0.25,1,1
@@ -58,13 +58,13 @@ expect_that 'in which it has moved by half a tile' images alike waves frame 0.00
 expect 'without copies' 0 wavy -o alone --no-repeat
 expect 'the edges look into nothing' 1 images alike waves alone 0.0015 0.012
 
-# The same surface by btf-sample, which traces rays of its own.
+# The same surface from btf-sample, which has a ray tracer of its own.
 same=(--directions 0:1,40:3,75:2)
 expect 'axes by btf-sample' 0 command btf-sample -o sampled --relief axes --size 16 "${same[@]}" --supersample 4 --format exr -q
 expect 'axes by btf-bake' 0 btf-bake axes.blend -o baked --texels 16 "${same[@]}" --samples 64 --bounces 0 --sun-angle 0 --strict
 expect_that 'are the same BTF' images alike sampled baked 0.001 0.015
 
-# Killed at several moments, Blender or the driver; then the same command goes on, and the files are the same.
+# Blender or the driver is killed at several moments. Then the same command goes on, and the files are the same.
 small() { btf-bake waves.blend --texels 8 --directions tiny --samples 4 -q "$@"; }
 expect 'a small bake' 0 small -o whole
 killed_at() { # MOMENT ACTION
@@ -73,7 +73,8 @@ killed_at() { # MOMENT ACTION
     chmod +x wrapped
     small -o resumed --blender ./wrapped
 }
-# By Blender, of its driver: it goes on when the driver is gone for sure, and stays where it is until the driver ends it.
+# Actions that Blender performs on its driver: it kills it and goes on once the process is gone; or it interrupts it and
+# sleeps until the driver ends it.
 driver='driver=$(awk "/^PPid/ { print \$2 }" /proc/$PPID/status)'
 driver_killed="$driver; kill -KILL \$driver; while grep -q '^State:.*[^Z] (' /proc/\$driver/status 2>/dev/null; do :; done"
 driver_interrupted="$driver; kill -INT \$driver; sleep 10"
@@ -96,7 +97,7 @@ expect_text 'the other one is missing' '13 of the other parts are missing' err
 expect 'one of two' 0 small -o parts --part 1/2
 expect_that 'and the other' diff -r -x 'bake-done*' whole parts
 
-# Options that change values do; others are refused where a folder was begun without them.
+# Options that change values change them; they are refused for a folder that was begun with other values.
 expect 'another seed' 0 small -o seed --seed 1
 expect_that 'is other noise' images noise whole seed 0.0005 0.1
 expect 'one thread' 0 small -o alone1 --threads 1

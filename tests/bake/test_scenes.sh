@@ -1,6 +1,7 @@
 #!/bin/bash
-# The scenes of encoder/bake/scenes: made anew, looked at, and baked, encoded and rendered small. And the comparison of the
-# documents: of a flat tile, a sphere of the material is a sphere of the tile.
+# Makes the scenes of encoder/bake/scenes, checks them, and bakes, encodes and renders them at a small size. Also checks
+# the comparison that the documents show: of a flat tile, the sphere with the material looks like the sphere with the
+# tile.
 #
 #   test_scenes.sh INTERPRETER
 #
@@ -43,7 +44,7 @@ for name in knit gravel scales; do
     expect "$name-is-rendered" 0 btf-render $name.btf.exr -o $name.exr --size 32 --device reference --quiet
 done
 
-# The light from -y: on that side the scales are copper, on the other green.
+# Under a light from -y the scales look copper from that side, and green from the other.
 cat >colours.py <<'P1'
 import glob
 import sys
@@ -58,7 +59,8 @@ sys.exit(not (side[270] > 2 * side[90] > 0) and f'red by green: {side}')
 P1
 expect_that scales-change-colour "$interpreter" colours.py "$BTF_SOURCE_ROOT/encoder/bake"
 
-# A flat tile of four colours: no relief that a material could miss, and each side of the picture is told by its colour.
+# A flat tile of four colours: it has no relief that a material could miss, and its colours tell which side of the
+# picture is which.
 cat >flat.py <<'P2'
 import os
 import bpy

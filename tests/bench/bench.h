@@ -17,7 +17,7 @@ enum {
     BENCH_METHOD_JOINT = 1,
     BENCH_METHOD_PAPER = 2,
     BENCH_METHOD_PEERS = 4,
-    BENCH_METHOD_REFERENCE = 8, /* the reference decoder on the CPU, of the others */
+    BENCH_METHOD_REFERENCE = 8, /* decode the materials of the others by the reference on the CPU, too */
     BENCH_METHOD_ALL = 15,
 };
 
@@ -28,9 +28,9 @@ typedef struct bench_run {
     const char *name;                  /* the same as a part of file names */
     const char *out;                   /* existing folder for CSV files */
     int texels;                        /* texels that slow peers are run on */
-    bool presets[BENCH_PRESETS];       /* of the joint method, enc_preset */
-    bool presets_given;                /* by the user: section `encode` takes all else */
-    uint64_t budget;                   /* GPU bytes a codec may take; 0: what layout `paper` takes */
+    bool presets[BENCH_PRESETS];       /* [enc_preset] those of the joint method to run */
+    bool presets_given;                /* the user named presets; else section `encode` runs all */
+    uint64_t budget;                   /* GPU bytes a codec may take; 0: btf-encode's default */
     int rank;                          /* components of the largest PCA */
     FILE *summary;                     /* Markdown; the section's heading was written */
     const bench_held *held;            /* the data that sweeps encode, and the directions left out of them */
@@ -49,7 +49,7 @@ typedef struct bench_run {
 
 extern const char *const bench_preset_names[BENCH_PRESETS];
 
-/* Measures, writes CSV into run->out and tables into run->summary. */
+/* Runs a section: measures, writes CSV files to run->out and tables to run->summary. */
 typedef btf_result (*bench_section_fn)(const bench_run *run);
 
 typedef struct bench_section {
@@ -62,7 +62,7 @@ typedef struct bench_section {
 enum { BENCH_SECTIONS = 14 };
 extern const bench_section bench_sections[BENCH_SECTIONS];
 
-btf_result bench_section_machine(const bench_run *run); /* whatever the data */
+btf_result bench_section_machine(const bench_run *run); /* does not depend on the data */
 btf_result bench_section_encode(const bench_run *run);
 btf_result bench_section_decode(const bench_run *run);
 btf_result bench_section_storage(const bench_run *run);
@@ -77,8 +77,7 @@ btf_result bench_section_costs(const bench_run *run); /* of synthetic materials,
 btf_result bench_section_stochastic(const bench_run *run);
 btf_result bench_section_shaders(const bench_run *run); /* of synthetic materials, whatever the data */
 
-/* The head of bench_seen()'s column in this run: "between the samples", or the estimate that stands for
- * it. */
+/* The heading of bench_seen()'s column in this run: "between the samples", or the estimate that replaces it. */
 const char *bench_seen_words(const bench_run *run);
 
 /* run->out/SECTION-MATERIAL.EXTENSION, in `path` of `size` bytes. */

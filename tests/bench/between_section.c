@@ -1,5 +1,5 @@
-/* Section `between`: accuracy between the samples, where a renderer looks, beside that at the samples: our
- * methods, principal components of the same bytes, and the uncompressed images, interpolated.
+/* Section `between`: accuracy between the samples, where renderers look, and at the samples: of our methods, of
+ * principal components of the same bytes, and of the uncompressed images, interpolated.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -49,7 +49,8 @@ static btf_result measured(section *s, const char *sweep, const char *name, meas
     return result;
 }
 
-/* Exact at the samples, so that no figure stands there; bytes are those of 8-bit images. */
+/* Uncompressed images are exact at the samples, so that the row has no figure there; bytes are those of 8-bit
+ * images. */
 static btf_result measure_uncompressed(const section *s, int kind, bench_row *row) {
     row->bytes = bench_samples_8bit(s->run->data);
     return bench_between_images(s->run->context, s->run->between_data, s->run->data,
@@ -80,7 +81,7 @@ static btf_result measure_still(const section *s, int preset, bench_row *row) {
     return result == BTF_OK ? measure_encoded(s, &encoded, row) : result;
 }
 
-/* With relief and gloss, which preset fast leaves out. */
+/* Our method with fitted nodes, relief and gloss; the preset fast has no relief and gloss. */
 static btf_result measure_fitted(const section *s, int preset, bench_row *row) {
     bench_encoded encoded;
     const btf_result result =

@@ -1,4 +1,4 @@
-/* btf-bench: measures what the parts cost and what they buy, beside their peers, in one run.
+/* btf-bench: measures the time, bytes and accuracy of the parts of OpenBTF, and of their peers, in one run.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -181,7 +181,8 @@ static btf_result run_material(const enc_context *context, const bench_material 
     return result;
 }
 
-/* Rows are comparable where these agree: machine, boot, program and settings. Data are named, not read. */
+/* Writes the identity of the run: machine, boot, program and settings. Rows are comparable where these agree. Data are
+ * identified by name alone. */
 static void describe(const bench_system *s, char *text, size_t size) {
     int length =
         snprintf(text, size,
@@ -261,7 +262,7 @@ static btf_result run(const enc_context *context) {
     return result;
 }
 
-/* The summary, printed at the end. */
+/* Prints the summary at the end. */
 static void show(void) {
     char path[4096], line[1024];
     snprintf(path, sizeof path, "%s/summary.md", o->out);

@@ -1,4 +1,4 @@
-/* Section `encode`: what the settings of the encoder cost in time and buy in accuracy, one sweep a setting.
+/* Section `encode`: time and accuracy over the settings of the encoder, one sweep for each setting.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -26,7 +26,7 @@ enum { MOST_SETTINGS = 96 };
 
 typedef struct plan {
     setting settings[MOST_SETTINGS];
-    int count, paper, medium; /* where the defaults of both methods stand */
+    int count, paper, medium; /* paper, medium: indices of the defaults of both methods */
 } plan;
 
 static setting *add(plan *p, const char *sweep, double x, int same_as) {
@@ -56,7 +56,7 @@ static void plan_presets(plan *p, const bench_run *run) {
     }
 }
 
-/* Bytes as long as they pay, and all of the budget. */
+/* Plans the settings of the joint method: with bytes used as long as they pay, and with all of the budget. */
 static void plan_joint(plan *p, const enc_data *data) {
     static const double tolerances[] = {0, 0.02, 0.2};
     for (size_t i = 0; i < sizeof tolerances / sizeof *tolerances; i++) {
@@ -149,7 +149,7 @@ static btf_result encode(const bench_run *run, const setting *s, bench_encoded *
                     : bench_encode_joint_options(run->context, data, &joint, out);
 }
 
-/* Encodes run->repeats times; accuracy is that of the last, since all are the same. */
+/* Encodes run->repeats times, and measures the accuracy of the last result, since all are the same. */
 static btf_result measure(const bench_run *run, const setting *s, bench_row *row) {
     double core[BENCH_MOST_REPEATS], wall[BENCH_MOST_REPEATS];
     btf_result result = BTF_OK;
@@ -202,7 +202,7 @@ static btf_result measure_all(const bench_run *run, const plan *p, const char *t
     return result;
 }
 
-/* Between the samples, and at directions left out. */
+/* Prints the figures between the samples and at directions left out. */
 static void print_others(const bench_row *r, FILE *out) {
     for (int i = 0; i < BENCH_BETWEEN_SETS + BENCH_HELD_SETS; i++) {
         const double *pair = i < BENCH_BETWEEN_SETS ? r->between[i] : r->held[i - BENCH_BETWEEN_SETS];
@@ -215,7 +215,7 @@ static void print_others(const bench_row *r, FILE *out) {
     fputc('\n', out);
 }
 
-/* Ratios first: time and decibels against `base`. */
+/* Prints the table. Time and decibels relative to `base` come first. */
 static void print(const bench_table *table, const bench_row *base, int repeats, const char *seen,
                   FILE *out) {
     fprintf(out,

@@ -25,7 +25,7 @@ bench_clock bench_now(void) {
                              1e-6 * (double)(use.ru_utime.tv_usec + use.ru_stime.tv_usec)};
 }
 
-/* Packs and unpacks what was found since `start`, and frees it. */
+/* Packs the solution, whose analysis began at `start`, unpacks it into *out and frees it. */
 static btf_result store(const enc_context *context, const enc_data *data, enc_solution *found,
                         btf_layout layout, bool half, const char *method, bench_clock start,
                         bench_encoded *out) {
@@ -117,7 +117,7 @@ btf_result bench_encode_joint(const enc_context *context, const enc_data *data, 
     return bench_encode_joint_options(context, data, &options, out);
 }
 
-/* Values at nodes, which follow the surface that views are shifted along. */
+/* Computes the fitted values at the nodes, which follow the relief's surface. */
 static btf_result apply_nodes(const enc_context *context, const enc_node_tables *nodes,
                               const enc_relief_store *relief, const enc_data *data, enc_data **out) {
     enc_warp surface = {0};

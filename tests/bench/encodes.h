@@ -1,4 +1,4 @@
-/* Our own methods as codecs: analysed, packed and unpacked, so that what is measured is what a file holds.
+/* Our own methods as codecs: solutions are packed and unpacked, so that the measured ones are those that a file holds.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -29,13 +29,13 @@ btf_result bench_encode_joint_options(const enc_context *context, const enc_data
                                       const enc_joint_options *options, bench_encoded *out);
 btf_result bench_encode_paper_options(const enc_context *context, const enc_data *data,
                                       const enc_paper_options *options, bool half, bench_encoded *out);
-/* The fewest bytes that --method joint makes of these data. */
+/* The fewest bytes that --method joint needs for these data. */
 uint64_t bench_joint_least(const enc_data *data);
 /* `budget`, or where it is 0 the default of btf-encode for these data. */
 uint64_t bench_budget(uint64_t budget, const enc_data *data);
 void bench_encoded_clear(bench_encoded *encoded);
 
-/* Seconds since some moment: of the wall clock, and of all threads of this process. */
+/* Seconds since an arbitrary moment: of the wall clock, and of all threads of this process. */
 typedef struct bench_clock {
     double wall, core;
 } bench_clock;

@@ -1,4 +1,4 @@
-/* Our fit against Ceres with automatic derivatives on the same samples.
+/* Times our fit and Ceres with automatic derivatives on the same samples. See fit_bench.h.
  *
  * SPDX-License-Identifier: MIT
  */

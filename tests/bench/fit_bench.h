@@ -1,4 +1,4 @@
-/* The fit beside a plain Ceres problem with automatic derivatives: time and final cost.
+/* Compares our fit with a plain Ceres problem with automatic derivatives: time and final cost.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -3,9 +3,9 @@
 
     tests/bench/fit_curve.py REPORT.json [REPORT.json...]
 
-of btf-encode --report with --fit between. A line a report, named by its input: dB gained between the samples (linear
-and sRGB-coded averaged) over dB lost at them (sRGB-coded), as expected, a point a candidate; the one that was taken is
-ringed.
+The reports are those of btf-encode --report with --fit between. Each gives a line, named by its input, with a point
+for each candidate: the expected gain in dB between the samples (the mean of linear and sRGB-coded) over the expected loss in
+dB at them (sRGB-coded). A ring marks the candidate that was chosen.
 
 SPDX-License-Identifier: MIT
 """

@@ -118,12 +118,12 @@ static btf_result measure_size(const bench_run *run, const growth *g, const size
     return result;
 }
 
-/* Is it a row of that method in that sweep? */
+/* Whether a row is of that method in that sweep. */
 static bool is_row_of(const bench_row *r, const char *sweep, const char *method_name) {
     return strcmp(r->sweep, sweep) == 0 && strncmp(r->name, method_name, strlen(method_name)) == 0;
 }
 
-/* Exponents over the rows of one method in one sweep: of time and of memory. */
+/* The exponents with which time and memory grow over the rows of one method in one sweep. */
 static void exponents(const bench_table *table, const char *sweep, const char *name, double out[2]) {
     double x[MOST_SIZES], y[2][MOST_SIZES];
     int count = 0;

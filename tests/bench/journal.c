@@ -84,7 +84,7 @@ static bool read_line(const char *line, char table[48], bench_row *row) {
     return line && strcmp(line, "end\n") == 0;
 }
 
-/* The rows of the run `identity`; none where the file is of another one. */
+/* Reads the rows if the file's identity is `identity`; false where it is another run's. */
 static bool read_rows(bench_journal *journal, const char *identity) {
     char line[4096], expected[4096], table[48];
     bench_row row;
@@ -113,7 +113,7 @@ btf_result bench_journal_open(const enc_context *context, const char *directory,
     snprintf(journal->path, sizeof journal->path, "%s/journal.csv", directory);
     const bool room = read_rows(journal, identity);
     journal->resumed = journal->count;
-    /* Written anew: without lines that were cut short, and without those of another run. */
+    /* the file is written anew, without lines that were cut short and those of another run */
     char fresh[sizeof journal->path + 8];
     snprintf(fresh, sizeof fresh, "%s.new", journal->path);
     journal->file = room ? fopen(fresh, "w") : NULL;

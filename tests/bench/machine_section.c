@@ -1,5 +1,5 @@
-/* Section `machine`: what the processor and its memory could do at best, and how near the places come where
- * an encode spends most of its time.
+/* Section `machine`: the best rates of the processor and its memory, and the rates of the loops in which an encode
+ * spends most of its time.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -13,11 +13,10 @@
 #include <openbtf/material.h>
 #include <stdlib.h>
 
-/* Rates are work over core time, times the threads: what the clock would show on a machine of our own.
- * ------------------------------------------------------------------------------------------------ */
+/* Rates are work over core time, times the number of threads: the rate by the clock on a machine without other load. */
 
-/* Operations a second of the joint method's tile on operands that fit the first-level cache: k components,
- * all threads, best of some tries. 0: out of memory. */
+/* Operations a second of the joint method's inner tile of products, with k components whose operands fit the
+ * first-level cache, on all threads: the best of some tries. 0: out of memory. */
 static double tile_rate(int threads, size_t k) {
     enum { TRIES = 5, CALLS = 40000 };
     const enc_gemm_tile tile = enc_gemm_select();
@@ -56,8 +55,8 @@ static double tile_rate(int threads, size_t k) {
 
 enum { KERNEL_TRIES = 5, GRAM_LOBES = 3, PASS_COMPONENTS = 32 };
 
-/* Operations a second of a product of the samples with factors, PASS_COMPONENTS of each channel: square
- * roots and channels of opponent colour are made on the way, and are not counted. */
+/* Operations a second of a product of the samples with factors, PASS_COMPONENTS of each channel. It includes square
+ * roots and the change to opponent colour, whose operations are not counted. */
 static btf_result pass_rate(const bench_run *run, double *out_rate) {
     const enc_factor_matrix matrix = enc_factor_matrix_of(run->context, run->data);
     const size_t rank = PASS_COMPONENTS;

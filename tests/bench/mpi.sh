@@ -1,5 +1,5 @@
 #!/bin/bash
-# One process against several, in one run: bytes, wall and core time, and what went between the ranks.
+# Compares one process with several, in one run: bytes of the file, wall and core time, and the data sent between ranks.
 #
 #   mpi.sh BUILD INPUT [btf-encode options...]      RANKS=2: ranks of one thread each
 #

@@ -50,7 +50,7 @@ struct plot {
     bool failed; /* out of memory */
 };
 
-/* Okabe and Ito, without their yellow, which is too light on white. */
+/* The colours of Okabe and Ito, without their yellow, which is too light on white. */
 static const char *const colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                       "#E69F00", "#56B4E9", "#000000"};
 static const int marks[] = {7, 5, 9, 13, 11, 3, 4, 6, 8, 12, 10, 1, 2};
@@ -146,7 +146,7 @@ static void range_of(const plot *p, int k, double out[2]) {
     }
 }
 
-/* The room that a label covers, in parts of its panel: about 6 of 400 pixels a letter, 18 of 400 high. */
+/* The box of a label, as fractions of its panel of 400 pixels: about 6 pixels a letter wide, 18 high. */
 static box box_of(const plot *p, const point *at, int k, place where, const double x[2], const double y[2]) {
     const double letter = p->panels > 1 ? 0.016 : 0.010, height = p->panels > 2 ? 0.06 : 0.045;
     const double left = ((p->log_x ? log(at->x) : at->x) - x[0]) / fmax(1.3 * (x[1] - x[0]), 1e-9),
@@ -155,7 +155,8 @@ static box box_of(const plot *p, const point *at, int k, place where, const doub
     return (box){left, left + letter * (double)strlen(at->label), middle - height / 2, middle + height / 2};
 }
 
-/* Labels stand above their points, below where one before is in the way there, and nowhere where both are taken. */
+/* Places labels above their points, below where an earlier label covers that place, and leaves them out where both are
+ * covered. */
 static void place_labels(plot *p, int k) {
     double x[2], y[2];
     range_of(p, -1, x);
@@ -186,8 +187,8 @@ static bool is_empty(const plot *p, int series) {
     return empty;
 }
 
-/* A block a series: x, a y for every panel, the label in quotes for every panel where it stands above its point, and
- * for every panel where it stands below. */
+/* Writes a data block for each series: x, a y for each panel, then the label in quotes for each panel where it stands
+ * above its point, and for each panel where it stands below. */
 static void write_points(const plot *p, FILE *file) {
     for (int s = 0; s < p->series; s++) {
         fprintf(file, "# %s\n", p->of[s].title);
@@ -209,7 +210,7 @@ static void write_points(const plot *p, FILE *file) {
             }
         }
         if (!any) {
-            fputs("NaN\n", file); /* keeps its place among the blocks */
+            fputs("NaN\n", file); /* an empty series keeps its number among the blocks */
         }
         fputs("\n\n", file);
     }
@@ -313,7 +314,7 @@ static void write_panel(const plot *p, int k, const char *name, FILE *file) {
                     name, of / 2, 2 + k, 2 + p->panels + (of % 2) * p->panels + k, of % 2 ? "-" : "");
         }
     }
-    /* Entries of the key for the vertical lines, which are drawn as arrows. */
+    /* vertical lines are drawn as arrows, which need entries in the key of their own */
     for (int i = 0; i < p->lines; i++) {
         fprintf(file, ", \\\n  NaN with lines dt 2 lw 1.5 lc rgb '%s' title '%s' noenhanced",
                 colours[(COLOURS - 1 - i % COLOURS + COLOURS) % COLOURS], p->line[i].title);

@@ -19,16 +19,16 @@ plot *plot_create(const char *title, const char *x_label, int panels);
 void plot_panel(plot *p, int panel, const char *title, const char *y_label);
 /* The x axis is logarithmic, unless this is called; y axes are linear, unless log_y. */
 void plot_axes(plot *p, bool log_x, bool log_y);
-/* Smaller y is better: for the front. */
+/* Says that smaller y is better, for the front. */
 void plot_lower_is_better(plot *p);
 /* Draws, below the marks, the line of the points that no other one is both cheaper and better than. */
 void plot_front(plot *p);
 
-/* Following points belong to this series; joined by a line where `joined`. */
+/* Begins a series: the following points belong to it; `joined`: a line joins them. */
 void plot_series(plot *p, const char *title, bool joined);
 /* y: one a panel, NAN where a panel has none. label: written beside the mark, may be NULL. */
 void plot_point(plot *p, double x, const double *y, const char *label);
-/* A dashed vertical line: something that has a cost and no figure. */
+/* Draws a dashed vertical line at the cost of something that has no figure. */
 void plot_vertical(plot *p, double x, const char *title);
 
 /* Writes DIR/NAME.dat, NAME.gp, NAME.svg and NAME.png and frees the plot. Without gnuplot the pictures are

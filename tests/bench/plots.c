@@ -1,4 +1,4 @@
-/* Sweeps as plots. See plots.h.
+/* Draws sweeps as plots. See plots.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -41,11 +41,11 @@ static void add_row(plot *p, double x, const bench_row *r, bool headline, const 
     plot_point(p, x, y, label);
 }
 
-/* The rows of some sweeps as series, with labels where asked. */
+/* Sweeps whose rows are drawn as a series, and whether its points have labels. */
 typedef struct shown {
     const char *sweep, *title;
     bool joined;
-    bool label; /* the name without its first word, or x */
+    bool label; /* label points by the name without its first word, or by x */
 } shown;
 
 static void add_sweeps(plot *p, const bench_table *table, const shown *sweeps, int count,

@@ -1,4 +1,4 @@
-/* Fragments of the README. See readme.h.
+/* Writes fragments of the README. See readme.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -182,12 +182,12 @@ static btf_result decode_rows(const bench_run *run, const decode_table *table, c
     return fclose(out) == 0 ? BTF_OK : enc_fail(run->context, BTF_ERROR_IO, "readme-decode: cannot write");
 }
 
-/* a - b, without the sign of a zero. */
+/* a - b, and 0 in place of -0. */
 static double gap(double a, double b) {
     return fabs(a - b) < 0.005 ? 0 : a - b;
 }
 
-/* Time and accuracy of a cheaper decoder against `base`. */
+/* Prints time and accuracy of a cheaper way to decode relative to `base`. */
 static void print_way(const char *text, const decode_row *r, const decode_row *base, FILE *out) {
     if (!r) {
         return;

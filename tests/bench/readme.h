@@ -1,5 +1,5 @@
-/* The parts of a run that the README shows: the headline plots, their tables and the guide on what to choose,
- * with the numbers as measured. readme.sh puts them there.
+/* Writes the parts of a run that the documents show: tables of the headline plots, and the guide on what to choose,
+ * with the measured numbers. readme.sh puts them into the documents.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The table of relief and gloss alone and together, from what part relief of regenerate.sh leaves in a folder: reports of
-btf-encode, DATA-BUDGET-RELIEF.json, what btf-compare says of each material by filter with and without gloss, and of the
-images themselves.
+"""The table of relief and gloss alone and together, made from the files that the part `relief` of regenerate.sh leaves
+in a folder: reports of btf-encode, DATA-BUDGET-RELIEF.json, and the results of btf-compare for each material, by filter
+and with and without gloss, and for the images themselves.
 
     relief_table.py FOLDER        prints what belongs between the marks `alone` of encoder/relief/RELIEF.md
 
@@ -31,7 +31,7 @@ def pair(error):
 
 
 def chosen(relief):
-    """(rings with relief, what it is) of a report, or nothing."""
+    """Returns (rings with relief, its kind) of a report, or nothing."""
     if not relief or not any(ring['relief'] for ring in relief.get('rings', ())):
         return None
     kind = [c for c in relief['candidates'] if c['candidate'] == relief['chosen']][0]

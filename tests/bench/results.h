@@ -1,5 +1,5 @@
-/* Rows of the sweeps: what one setting costs and what it gives; statistics over repeats, the Pareto front,
- * CSV, and the journal that a run goes on from after a stop.
+/* Rows of the sweeps, each with the cost and accuracy of one setting; statistics over repeats, the Pareto front, CSV,
+ * and the journal from which a stopped run goes on.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -44,11 +44,12 @@ void bench_table_add(bench_table *table, const bench_row *row);
 /* Median and (largest - smallest) / median of `count` values, which it sorts. */
 double bench_median(double *values, int count, double *out_spread);
 
-/* The accuracy that a renderer sees, dB: between the samples, against truth, else at views and lights left
- * out, else estimated; at the samples where none of these is known. */
+/* The accuracy that counts for a renderer, in dB, as far as it is known: between the samples against truth; else at
+ * views and lights left out; else estimated; else at the samples. */
 double bench_seen(const bench_row *row, bool srgb);
 
-/* Marks rows whose cost no row that is seen better or as well undercuts. cost: what is paid, of a row. */
+/* Marks the rows of the Pareto front: no other row is cheaper and as good or better by bench_seen(). cost: returns a
+ * row's cost. */
 void bench_mark_pareto(bench_table *table, double (*cost)(const bench_row *row));
 double bench_cost_core(const bench_row *row);
 double bench_cost_bytes(const bench_row *row);

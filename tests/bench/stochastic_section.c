@@ -1,5 +1,5 @@
-/* Section `stochastic`: time and noise of a decode by one neighbour in place of all, beside the full
- * decode; and how far the blend that it converges to is from the full decode.
+/* Section `stochastic`: time and noise of decoding one picked neighbour in place of all, compared with the full decode;
+ * and the difference between the full decode and the blend that the stochastic one converges to.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -17,7 +17,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* bench_samples picks of a pixel, their mean. */
+/* The mean of bench_samples picks of a pixel. */
 static const char body_picks[] =
     "uniform int bench_samples;\n"
     "uvec4 check(uvec4 a, uvec4 b) {\n"
@@ -76,13 +76,13 @@ typedef struct section {
     const bench_run *run;
     decode_rig rig;
     btf_material *material;
-    size_t pixels; /* of which noise is measured: all of the rig, or with --quick the rows in the middle */
+    size_t pixels; /* pixels whose noise is measured: all of the rig, with --quick the rows in the middle */
     const uint32_t *inputs; /* of these */
-    float *named[WAYS];     /* [pixels][GPU_OUTPUTS]: what a way converges to */
+    float *named[WAYS];     /* [pixels][GPU_OUTPUTS]: the image that a way converges to */
     double ns[WAYS], noise[WAYS][COUNTS], product_noise[COUNTS], product_ns, off;
 } section;
 
-/* A program over inputs, into out. */
+/* Runs a shader over the inputs and writes its radiance to out. */
 static btf_result decode(section *s, btf_shader_options shader, const char *body, size_t count,
                          const uint32_t *inputs, float *out) {
     shader.struct_size = sizeof shader;
@@ -97,7 +97,7 @@ static btf_result decode(section *s, btf_shader_options shader, const char *body
     return result;
 }
 
-/* Root of the mean square of the difference in the three channels. */
+/* The root mean square of the difference over pixels and channels. */
 static double distance(size_t pixels, const float *a, const float *b) {
     double sum = 0;
     for (size_t i = 0; i < GPU_OUTPUTS * pixels; i++) {
@@ -230,6 +230,8 @@ static btf_result measure(section *s) {
     return result == BTF_OK ? find_times(s) : result;
 }
 
+/* Writes time and noise of each way as a table, as CSV and as a plot. The noise of picks is measured against the blend
+ * that they converge to, so that it does not count the blend's difference to the full decode. */
 static btf_result write_rows(section *s, FILE *csv) {
     FILE *out = s->run->summary;
     fprintf(
@@ -282,10 +284,9 @@ static btf_result write_rows(section *s, FILE *csv) {
     return bench_finish_plot(s->run, "stochastic", &p);
 }
 
-/* The named blends against the full decode.
- * ------------------------------------------------------------------------------------------------ */
+/* --- the blends that ways converge to, against the full decode --- */
 
-/* The middle of a texel, a hair further: u * 2^18 is rounded down. */
+/* The centre of a texel, moved by a little, because u * 2^18 is rounded down. */
 static void put_probe(const section *s, size_t texel, const float *light, const float *view,
                       uint32_t *out) {
     const int width = s->run->data->width, height = s->run->data->height;
@@ -305,7 +306,7 @@ static void random_direction(random_state *r, float out[3]) {
 
 enum { PROBES_AT, PROBES_BETWEEN, PROBES_TRUTH, PROBE_SETS };
 
-/* Evenly over texels: at the samples, anywhere, or where the truth is known. */
+/* Makes probes spread evenly over texels: at the samples, anywhere, or where the truth is known. */
 static void make_probes(const section *s, int set, uint32_t *inputs, float *truth) {
     const enc_data *data = s->run->data;
     const size_t texels = (size_t)data->width * (size_t)data->height;
@@ -376,8 +377,8 @@ static btf_result compare_blends(section *s) {
     return result;
 }
 
-/* --method joint as btf-encode fits it by default, of the first preset asked for; from the folder of kept
- * materials where it is there. */
+/* A material of --method joint with btf-encode's default fit and the first preset asked for, taken from the folder of
+ * kept materials if it is there. */
 static btf_result make_material(const bench_run *run, btf_material **out_material) {
     char path[4096];
     int preset = 0;

@@ -1,5 +1,4 @@
-/* Section `storage`: bytes against accuracy, our methods beside principal components, whole and by
- * clusters.
+/* Section `storage`: accuracy over bytes of our methods and of principal components, whole and by clusters.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -16,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Parts of the budget that the curves stand at. */
+/* The fractions of the budget at which the curves have points. */
 static const double parts[] = {0.125, 0.25, 0.5, 1, 2};
 enum { PARTS = sizeof parts / sizeof parts[0] };
 
@@ -108,14 +107,14 @@ static btf_result run_paper(storage *s) {
     return result;
 }
 
-/* Principal components in some number of clusters, 8 bits or halves. */
+/* A peer: principal components in a number of clusters, in 8 bits or halves. */
 typedef struct components {
     const pca_factors *factors;
     pca_number number;
     size_t clusters, rank;
 } components;
 
-/* A peer's row: what encoding took since `start`, its bytes, and the accuracy of its images. */
+/* Fills a peer's row: the time of encoding since `start`, its bytes, and the accuracy of its images. */
 static btf_result fill_row(storage *s, bench_clock start, size_t bytes, enc_image_source images,
                            bench_row *row) {
     const bench_clock end = bench_now();
@@ -184,7 +183,7 @@ static btf_result run_pca(storage *s) {
     return result;
 }
 
-/* Peers that split the channels, in 8 bits alone and in as few as pay. */
+/* A peer that codes the axes of opponent colour apart, in 8 bits alone or in as few bits as pay. */
 typedef struct split {
     double part; /* of the budget */
     bool eight_only;
@@ -212,7 +211,7 @@ static btf_result run_split(storage *s) {
         for (int i = 0; i < PARTS && result == BTF_OK; i++) {
             const split of = {parts[i], eight_only};
             if (pca_rank_for(s->data, PCA_BYTE, 1, (size_t)(parts[i] * (double)s->budget)) == 0) {
-                continue; /* nothing is that small */
+                continue; /* the budget is below the fewest bytes that the method needs */
             }
             snprintf(name, sizeof name, "%s; %g of the budget", sweeps[eight_only], parts[i]);
             result = measured(s, bench_row_named(sweeps[eight_only], name, parts[i]), measure_split, &of);
@@ -227,7 +226,8 @@ static btf_result measure_uncompressed(storage *s, const void *what, bench_row *
     return bench_between_images(s->run->context, s->run->between, s->data, *kind, row->between);
 }
 
-/* Exact at the samples, so that no figure stands there; bytes are those of 8-bit images. */
+/* Uncompressed images are exact at the samples, so that the row has no figure there; bytes are those of 8-bit
+ * images. */
 static btf_result run_uncompressed(storage *s) {
     static const enc_interpolation kinds[] = {ENC_INTERPOLATE_LINEAR, ENC_INTERPOLATE_SPLINE};
     static const char *const sweeps[] = {"uncompressed", "splines"};

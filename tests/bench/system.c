@@ -97,12 +97,11 @@ double bench_peak_memory(void) {
     return peak > 0 ? peak : 1024.0 * (double)use.ru_maxrss;
 }
 
-/* Limits.
- * ------------------------------------------------------------------------------------------------ */
+/* --- limits --- */
 
 enum { TRIES = 7, LARGE = 1 << 24, SMALL = 1 << 14, STEPS = 1 << 20, CHAINS = 12 };
 
-/* Core time of the process over its threads: what the clock would show on a machine of our own. */
+/* The core time of the process divided by its threads: the time by the clock on a machine without other load. */
 static double seconds_of(int threads) {
     struct timespec t;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
@@ -189,7 +188,7 @@ static double best_flops(int threads, const char **out_vectors) {
     return best;
 }
 
-/* Bytes a second of c = a + b, `count` floats a thread, `rounds` times over. */
+/* The rate of c = a + b in bytes a second, over `count` floats a thread, `rounds` times. */
 static double best_bandwidth(int threads, size_t count, int rounds, float *arrays) {
     double best = 0;
     for (int try = 0; try < TRIES; try++) {

@@ -1,4 +1,4 @@
-/* The machine a run is made on, and what it could do at best.
+/* The machine of a run, and its best rates.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,9 +20,8 @@ typedef struct bench_system {
 
 void bench_system_find(bench_system *out_system);
 
-/* Starts this program anew with idle threads asleep instead of spinning, unless the environment chose: time
- * of the cores would count the spinning of a thread that waits for another one. Returns when nothing had to
- * be done or nothing could be. */
+/* Starts this program anew with OpenMP's idle threads asleep instead of spinning, unless the environment sets that:
+ * core time would count a thread that spins while it waits. Returns when that is not needed or not possible. */
 void bench_sleep_when_idle(char **argv);
 
 /* Memory of the process, bytes: hands freed memory back and starts a new peak, returns what is held now;

@@ -20,7 +20,7 @@ P
 
 expect "sample" 0 btf-sample -o tiny --size 8x8 --directions small --quiet
 expect "truth between the samples" 0 btf-sample -o pairs --size 8x8 --between 20 --quiet
-if [ -n "$light" ]; then # the sections that encode do nothing but what test_encode.sh does, a hundred times
+if [ -n "$light" ]; then # sections that encode only repeat what test_encode.sh does, a hundred times
     expect "machine" 0 btf-bench --quick --input tiny --only machine --out b -q
     expect_that "table has its columns" python3 columns.py b/machine-tiny.csv
     expect "an unknown section" 1 btf-bench --only nothing
@@ -46,7 +46,7 @@ for row in rows:
     assert float(row["psnr_between_linear"]) > 10 and float(row["psnr_estimate_srgb"]) > 10, row
     assert float(row["core_s"]) > 0 and float(row["peak_bytes"]) > 1e5, row
 front = [row for row in rows if row["pareto_linear"] == "1"]
-# Settings that find the same are equally good: the cheapest of them is on the front.
+# Of settings with the same result only the cheapest is on the front.
 best = max(rows, key=lambda row: (float(row["psnr_between_linear"]), -float(row["core_s"])))
 fastest = min(rows, key=lambda row: (float(row["core_s"]), -float(row["psnr_between_linear"])))
 assert best["pareto_linear"] == "1" and fastest["pareto_linear"] == "1", (best, fastest)
@@ -70,7 +70,8 @@ else
     printf '[ RUN      ] plots\nskipped: no gnuplot\n[  SKIPPED ] plots\n'
 fi
 
-# Stochastic decode: noise falls as the root of the samples, most where most is picked; blends are the full decode at the samples.
+# Stochastic decode: noise falls with the root of the number of samples, and is largest where most is picked; at the
+# samples the blends equal the full decode.
 expect "stochastic" 0 btf-bench --quick --input tiny --only stochastic --preset fast --repeats 1 --out s -q
 expect_that "noise halves with four times the samples" python3 - <<'P'
 import csv
@@ -103,7 +104,7 @@ P
 expect "other settings, another run" 0 btf-bench --quick --input tiny --only machine --preset fast --repeats 2 --out b -q
 expect_that "nothing of the other run is left" test -z "$(grep 'come from before' b/summary.md)"
 
-# Between the samples: the figures of btf-compare, whatever the peer; an estimate where there is no truth.
+# Between the samples: all figures are those of btf-compare; without truth they are estimates.
 btf_between() { btf-bench --input tiny "$@" --only between --preset fast --repeats 1 -q; }
 expect "between" 0 btf_between --pairs pairs --out e
 expect "between, without truth" 0 btf_between --out f
@@ -138,10 +139,10 @@ check(given["joint fast"], "tiny-joint.json")
 check(given["joint fast"], "at.json", "psnr", "psnr")
 for name in given:
     assert none[name]["psnr_between_linear"] == none[name]["psnr_between_srgb"] == "", name
-    for kind in ("linear", "srgb"):  # the estimate does not depend on truth, and is not the figure at the samples
+    for kind in ("linear", "srgb"):  # the estimate does not depend on truth, and differs from the figure at the samples
         assert none[name]["psnr_estimate_" + kind] == given[name]["psnr_estimate_" + kind] != "", name
         assert given[name]["psnr_estimate_" + kind] != given[name]["psnr_" + kind], name
-# A codec that all but equals the data at the samples is interpolated like them.
+# A codec that almost equals the data at the samples has almost their accuracy between them.
 near, data = given["low-bit split PCA"], given["uncompressed; barycentric"]
 assert float(near["psnr_linear"]) > 45
 for kind in ("between", "estimate"):
@@ -167,7 +168,7 @@ expect "images of another size" 0 btf-sample -o larger --size 9x8 --between 2 --
 expect "truth of another size" 3 btf-bench --input tiny --pairs larger --only machine --out x -q
 expect_text "says which" "larger has 9 x 8 texels, tiny has 8 x 8" err
 expect "pairs of nothing" 1 btf-bench --pairs pairs --input tiny
-# A journal of another version is not read, nor are its lines where only their number of fields tells it.
+# A journal of another version is not read, nor are lines whose number of fields is that of another version.
 sed -e '1s/journal 2;/journal 1;/' -i e/journal.csv
 expect "a journal of another version" 0 btf_between --pairs pairs --out e
 expect_that "is not gone on from" test -z "$(grep 'come from before' e/summary.md)"
@@ -207,7 +208,7 @@ for material in ours:
         for figure in ("psnr_linear", "psnr_srgb", "psnr_held_linear", "psnr_held_srgb", "psnr_between_linear",
                        "psnr_between_srgb", "fetches", "fetched_bytes", "integer_operations", "float_operations"):
             assert a[figure] == b[figure] == c[figure] != "", (material, directions, figure, a[figure], b[figure], c[figure])
-# Every one has its fetches alone, native mathematics, and counts.
+# Every material has rows of its fetches alone and of native mathematics, and counts.
 for material in ours:
     whole, floor = of("osmesa", material), of("osmesa", material, effects="fetches only")
     assert whole["fetches"] == floor["fetches"] != "0" and floor["integer_operations"] == "0", (whole, floor)
@@ -238,7 +239,7 @@ else
     printf '[ RUN      ] decode\nskipped: no OSMesa\n[  SKIPPED ] decode\n'
 fi
 
-# Section plan: every cell is filled; kept materials are taken.
+# Section plan: every cell is filled; kept materials are used again.
 expect "plan" 0 btf-bench --quick --input tiny --only plan --preset fast --holdout none --keep kept --out p -q
 expect_that "keeps its materials" test -s kept/tiny-joint-fast.btf.exr -a -s kept/tiny-paper.btf.exr
 cp p/plan-tiny.csv first.csv

@@ -95,7 +95,7 @@ static void extreme_direction(random_state *r, const btf_directions *list, float
     case 5:
         on_edge(r, list, out);
         return;
-    case 6: /* the last degree, and below the horizon */
+    case 6: /* within a degree of the horizon, and below it */
         from_angles(random_between(r, 89, 90.2) * M_PI / 180, phi, out);
         return;
     default: /* arguments that no caller should hand over */
@@ -145,8 +145,8 @@ void case_in_range(random_state *r, const btf_range *range, const btf_directions
     from_angles(theta * degree, ((double)range->phi[0] + part) * degree, out);
 }
 
-/* A view in the last 15 degrees, and a light from anywhere, from the other side or from its own: half vectors that
- * vanish, and lights that sink below the horizon where they keep part of them. */
+/* A view within 15 degrees of the horizon, and a light anywhere, on the other side, or on the view's side: such pairs
+ * have half vectors that vanish, or make gloss move look-ups below the horizon. */
 static void grazing(random_state *r, float light[3], float view[3]) {
     const double theta = random_between(r, 75, 90) * M_PI / 180, phi = random_between(r, 0, 2 * M_PI);
     from_angles(theta, phi, view);

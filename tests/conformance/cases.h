@@ -1,4 +1,4 @@
-/* Arguments to evaluate a material at: random ones, and those at which decoders go wrong.
+/* Arguments at which tests evaluate a material: random ones, and those at which decoders are likely to fail.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -8,7 +8,7 @@
 #include "random.h"
 #include <openbtf/plan.h>
 
-/* u, v, light xyz, view xyz, as bits: what gpu_run takes. */
+/* u, v, light xyz, view xyz, as bits, as gpu_run takes them. */
 enum { CASE_WORDS = 8 };
 
 /* One case in eight has an extreme coordinate, one in four an extreme direction: the pole, 89.9 degrees,

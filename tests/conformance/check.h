@@ -10,15 +10,15 @@
 #include "gpu.h"
 #include <openbtf/material.h>
 
-/* The decoders that are compared, and where messages and pictures of failures go. */
+/* What is compared (a material and a device), and where messages and pictures of failures go. */
 typedef struct check_subject {
     gpu *gpu;
     const btf_material *material;
     const btf_shader_options *shader;
     const char *preamble; /* GLSL before the decoder, e.g. other macros; NULL for none */
     const char *(*tamper)(
-        char *library); /* changes the decoder's text in place or returns another; NULL: as it is */
-    btf_gl_get_proc_address find; /* GL's functions for what folds; NULL: the device's */
+        char *library); /* changes the decoder's text in place or returns another; NULL: no change */
+    btf_gl_get_proc_address find; /* finds GL's functions for the library's fold; NULL: the device's finder */
     const btf_log *log;
     const char *dump_dir; /* folder for pictures of the first failing batch; NULL: none */
     const char *label;    /* begins the names of pictures */
@@ -31,9 +31,9 @@ typedef struct check_outcome {
     uint32_t inputs[GPU_INPUTS], expected[GPU_OUTPUTS], actual[GPU_OUTPUTS];
 } check_outcome;
 
-/* The integer steps and the arithmetic, at a level of detail that the seed chooses. `most` bounds the
- * elements of a step; those that are not exhausted by it are drawn at random. A step may be named (`only`),
- * NULL runs all. Adds to *outcome. Errors: those of GL and memory; a difference is none. */
+/* Checks the integer steps and the arithmetic, at a level of detail that the seed chooses. `most` bounds the elements
+ * of a step; a step that has more gets a random selection. `only` names the one step to run; NULL runs all. Adds to
+ * *outcome. Errors: those of GL and memory; a difference is no error. */
 btf_result check_steps(const check_subject *subject, uint64_t seed, uint64_t most, const char *only,
                        check_outcome *outcome);
 
@@ -45,26 +45,26 @@ extern const char *const check_step_names[];
 btf_result check_radiance(const check_subject *subject, uint64_t seed, uint64_t count,
                           check_outcome *outcome);
 
-/* `count` evaluations by a restriction of the material to a random scene (openbtf/plan.h), its fixed
- * directions constants, against the reference of the whole. The ways are those of the table of effect
- * errors where there is one, else subject->shader's. Adds to *outcome. */
+/* `count` evaluations by a restriction of the material to a random scene (openbtf/plan.h), with fixed directions as
+ * constants, against the reference on the whole material. The plan is chosen by the table of effect errors where the
+ * material has one, else it is subject->shader. Adds to *outcome. */
 btf_result check_planned(const check_subject *subject, uint64_t seed, uint64_t count,
                          check_outcome *outcome);
 
 /* `count` evaluations of a fold of two lights, or of two pairs of light and view, at random arguments, against the
- * reference, which folds nothing; what keeps the material from being folded is left out. Adds to *outcome. */
+ * reference, which folds nothing; effects that would prevent the fold are left out. Adds to *outcome. */
 btf_result check_folded(const check_subject *subject, uint64_t seed, uint64_t count, check_outcome *outcome);
 
 /* The fold that check_folded makes: one of three by the seed; of a light alone where that is defined and takes no more
  * than 64 evaluations for each of `count`. */
 btf_fold check_fold_kind(const btf_material_info *info, uint64_t seed, uint64_t count);
 
-/* The effects that keep a material from being folded so (but an SBRDF). */
+/* The effects that prevent a fold of this kind; an SBRDF may prevent it as well. */
 uint32_t check_fold_left_out(btf_fold kind);
 
-/* `count` evaluations of a stochastic decode, and of the blend that it converges to, in turn, at random and extreme
- * arguments, random numbers and levels of detail. Picks are those of subject->shader, or where it says none, as the
- * seed says. Adds to *outcome. */
+/* `count` evaluations, alternately of a stochastic decode and of the blend that it converges to, at random and extreme
+ * arguments, random numbers and levels of detail. Picks are those of subject->shader; where it has none, the seed
+ * chooses them. Adds to *outcome. */
 btf_result check_stochastic(const check_subject *subject, uint64_t seed, uint64_t count, check_outcome *outcome);
 
 /* `count` directions drawn to the light, and densities of lights, in turn, at random and extreme directions and random
@@ -72,8 +72,8 @@ btf_result check_stochastic(const check_subject *subject, uint64_t seed, uint64_
 btf_result check_sampling(const check_subject *subject, uint64_t seed, uint64_t count,
                           check_outcome *outcome);
 
-/* The error of fast math. A look-up that rounds to the next step of a weight (1/4096) can show a neighbour
- * that is many times brighter, so a bound on every channel would say little. */
+/* The error of fast math. A look-up that rounds to the next step of a weight (1/4096) can add a neighbour that is many
+ * times brighter, so a bound that holds for every channel would have to be very wide. */
 #define CHECK_FAST_BOUND 0x1p-7
 typedef struct check_fast {
     uint64_t evaluated;

@@ -20,10 +20,9 @@ typedef struct check_session {
 btf_result check_begin(const check_subject *subject, const char *body, check_session *out_session);
 void check_end(check_session *session);
 
-/* Runs the first `count` inputs and compares the first `words` words of each output with expected; three
- * words are radiance, which must be finite as well. `first`
- * is the index of element 0 within the step. Adds to *outcome; writes pictures of the first failing batch
- * of all. */
+/* Runs the first `count` inputs and compares the first `words` words of each output with `expected`; three words are
+ * radiance, which must be finite as well. `first` is the index of element 0 within the step. Adds to *outcome, and
+ * writes pictures of the subject's first failing batch. */
 btf_result check_batch(check_session *session, const char *step, uint64_t first, size_t count, int words,
                        check_outcome *outcome);
 

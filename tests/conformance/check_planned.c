@@ -12,7 +12,7 @@
 
 #include <math.h>
 
-/* Everything, one direction, or a piece of the hemisphere. */
+/* A random range: the hemisphere, one direction, or a part of the hemisphere. */
 static btf_range random_range(random_state *r, const btf_directions *list) {
     btf_range range = {0};
     switch (random_below(r, 4)) {
@@ -38,7 +38,7 @@ static btf_range random_range(random_state *r, const btf_directions *list) {
     }
 }
 
-/* The table's choice where the material has one, else what the subject says. */
+/* Makes the plan: by the table of effect errors where the material has one, else by the subject's options. */
 static btf_result make_plan(const check_subject *subject, random_state *r, btf_plan *plan) {
     const btf_material *material = subject->material;
     btf_directions views = btf_material_views(material), lights = btf_material_lights(material);

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The entry of its own for nearest directions, used in place of the macro. */
+/* Calls the entry point for nearest directions, which replaces the macro that selects them. */
 static const char body_nearest[] =
     "uvec4 check(uvec4 a, uvec4 b) {\n"
     "    vec2 uv = uintBitsToFloat(a.xy);\n"
@@ -27,9 +27,9 @@ static const char body_level[] =
     "    return uvec4(floatBitsToUint(btf_evaluate_level(uv, l, uintBitsToFloat(b.yzw), level)), 0u);\n"
     "}\n";
 
-/* The level, of those there are, that stands for what element i asks for: -1 .. levels. */
+/* The level that the decoder must take for element i, which asks for one of -1 .. levels. */
 static uint32_t element_level(size_t i, uint32_t levels) {
-    uint32_t asked = (uint32_t)(i % GPU_SIDE % (levels + 2)); /* 1 more than it is */
+    uint32_t asked = (uint32_t)(i % GPU_SIDE % (levels + 2)); /* the level that is asked for, plus 1 */
     return asked == 0 ? 0 : asked > levels ? levels - 1 : asked - 1;
 }
 
@@ -84,7 +84,7 @@ btf_result check_radiance(const check_subject *subject, uint64_t seed, uint64_t 
     return result;
 }
 
-/* The place of a float among all floats, so that differences count ULP. */
+/* The rank of a float among all floats, so that differences of ranks are ULP. */
 static int64_t place(uint32_t bits) {
     return bits >> 31 ? -(int64_t)(bits & 0x7FFFFFFFu) : (int64_t)bits;
 }

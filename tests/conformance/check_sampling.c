@@ -37,7 +37,7 @@ static void make_case(const subject *s, random_state *r, uint32_t *in, uint32_t 
     memcpy(in, view, sizeof view);
     in[3] = (uint32_t)random_bits(r);
     in[4] = (uint32_t)random_bits(r);
-    if (random_below(r, 8) == 0) { /* the ends of parts, and of all */
+    if (random_below(r, 8) == 0) { /* the first and last numbers of an interval, and of all */
         in[3] =
             s->tables->triangles[4 * (size_t)random_below(r, s->tables->n_triangles)] - random_below(r, 3);
     }

@@ -55,7 +55,8 @@ void check_end(check_session *session) {
     memset(session, 0, sizeof *session);
 }
 
-/* Three words as the picture of a pixel: floats by their value's root, other bits by their low byte. */
+/* The colour of a pixel that shows three words: floats by the square root of their value, other words by their low
+ * byte. */
 static void paint(const uint32_t *words, unsigned char *rgb) {
     for (int c = 0; c < 3; ++c) {
         float f;

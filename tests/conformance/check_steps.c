@@ -57,7 +57,7 @@ static const char body[] =
     "    return uvec4(0xFFFFFFFFu);\n"
     "}\n";
 
-/* The inputs of a step. */
+/* The state from which a step draws its elements. */
 typedef struct context_of_step {
     const btf_material *material;
     btf_material_info info; /* width and height are the level's */
@@ -255,7 +255,7 @@ static void make_codes(steps *s, uint64_t i, uint32_t *in, uint32_t *out) {
     if (s->textures >> BTF_TEXTURE_MAPS & 1) {
         uint32_t x, y;
         btf_ref_tile(m, in[2], in[0], in[1], &x, &y);
-        /* A variant that decodes the shadow alone leaves the rest of the texel. */
+        /* a variant that decodes the shadow alone reads nothing else of the texel */
         if (s->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN)) {
             for (size_t c = 0; c < 3; ++c) {
                 out[c] = m->maps[4 * ((size_t)y * m->atlas_width + x) + 1 + c];
@@ -362,7 +362,7 @@ static btf_result run_step(check_session *session, steps *s, uint32_t step, uint
         memset(session->inputs, 0, n * GPU_INPUTS * sizeof *session->inputs);
         memset(session->expected, 0, n * GPU_OUTPUTS * sizeof *session->expected);
         for (size_t i = 0; i < n; ++i) {
-            /* Where not all fit, a random choice of them. */
+            /* a step with more elements than fit gets a random selection */
             uint64_t element = count < all && table[step].count ? random_bits(&s->random) % all : first + i;
             uint32_t *in = session->inputs + GPU_INPUTS * i;
             table[step].make(s, element, in, session->expected + GPU_OUTPUTS * i);
@@ -376,9 +376,9 @@ static btf_result run_step(check_session *session, steps *s, uint32_t step, uint
     return BTF_OK;
 }
 
-/* The look-up steps run on the material's tables with wide indices: i * 257 modulo 2^16, which says both
- * bytes of the number of every direction, also of a material that has few. Replaces the table on the GPU;
- * NULL where memory is out. */
+/* The look-up steps run on the material's tables with wide indices: index i becomes i * 257 modulo 2^16, so that both
+ * bytes of an index matter even in a material of few directions. Replaces the table on the GPU; NULL where memory is
+ * out. */
 static uint16_t *widen_table(const check_session *session, btf_texture_id id) {
     const btf_material *material = session->subject->material;
     const btf_texture t = btf_material_texture(material, id);

@@ -10,9 +10,9 @@
 
 #include <stdio.h>
 
-/* Columns of elements take turns: a choice, and the blend of all. CHECK_KIND is 0 for the entry points of
- * level 0, 1 for those of a level, 2 for those between two. One column in eight, of choices, has all bits
- * of a number or none, one in eight any float for a level. */
+/* Columns of elements alternate between a choice and the blend of all. CHECK_KIND is 0 for the entry points of level 0,
+ * 1 for those of a level, 2 for those between two. Of the columns with choices, one in eight has random numbers whose
+ * bits are all ones or all zeros, and one in eight an arbitrary float as the level. */
 static const char body[] =
     "uvec4 check(uvec4 a, uvec4 b) {\n"
     "    vec2 uv = uintBitsToFloat(a.xy);\n"
@@ -71,7 +71,7 @@ static void expect(const subject *s, uint32_t x, uint32_t y, const uint32_t *inp
     }
     uint32_t i = 0;
     if (s->kind == 1) {
-        const uint32_t asked = x % (s->count + 2); /* 1 more than it is */
+        const uint32_t asked = x % (s->count + 2); /* the level that is asked for, plus 1 */
         i = asked == 0 ? 0 : asked > s->count ? s->count - 1 : asked - 1;
     }
     if (s->kind == 2 && (x & 2)) {

@@ -1,5 +1,5 @@
-/* A device's cases, run in a child process: a driver is chosen by the environment when it is loaded, and
- * one that crashes must not take the others along.
+/* Runs the cases of a device in a child process, because a driver is chosen by the environment when it is loaded, and
+ * one that crashes must not end the runs of the others.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -89,7 +89,7 @@ typedef struct runner {
     int fd;
     listener listener;
     btf_log log;
-    uint32_t self_test; /* the rules that do not hold */
+    uint32_t self_test; /* the bits of the rules that the device breaks */
 } runner;
 
 /* A waiver is CASE:RENDERER:REASON, each part found anywhere in its name; an empty one matches all. */
@@ -114,7 +114,7 @@ static bool is_waived(const runner *r, conform_case *c) {
 static void finish(runner *r, conform_case *c, btf_result result, double started) {
     c->seconds = now() - started;
     if (result != BTF_OK) {
-        /* A refusal by the device means "not supported"; an error elsewhere is a failure. */
+        /* a refusal by the device means "not supported"; any other error is a failure */
         c->verdict = result == BTF_ERROR_UNSUPPORTED ? CONFORM_NOT_SUPPORTED : CONFORM_FAIL;
         snprintf(c->reason, sizeof c->reason, "%.190s",
                  r->listener.last[0] ? r->listener.last : btf_result_text(result));
@@ -139,8 +139,8 @@ static const char *swap_shift(char *library) {
     return library;
 }
 
-/* The bits of the self-test that the material needs and the device fails in: it has levels of detail and
- * the device fetches from wrong ones, factors and the device gives others, or lists and the device takes others. */
+/* The bits of the self-test that the device fails and the material needs: those of levels of detail, of factors and of
+ * lists, where the material has them. */
 static uint32_t beyond_device(const runner *r, const btf_material *material) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
@@ -149,7 +149,7 @@ static uint32_t beyond_device(const runner *r, const btf_material *material) {
                            (info.point_store == BTF_POINTS_LISTS ? BTF_SELF_TEST_LISTS : 0u));
 }
 
-/* Stands for the cases of a variant that the device cannot pass. */
+/* Records one case in place of all those of a variant that the device cannot pass. */
 static void refuse_variant(runner *r, uint32_t failures, const char *name) {
     char names[120];
     conform_case c = {0};
@@ -247,7 +247,7 @@ static void run_synthetic(runner *r, uint64_t divide) {
     }
 }
 
-/* The ways in which a given material is decoded: each effect left out, both interpolations and filters. */
+/* Checks the given files, each with every effect left out in turn and with both interpolations and filters. */
 static void run_files(runner *r, uint64_t divide) {
     static const btf_shader_options ways[] = {
         {.leave_out = 0},

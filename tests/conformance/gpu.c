@@ -118,7 +118,7 @@ void gpu_destroy(gpu **g) {
     if (!g || !*g) {
         return;
     }
-    context_destroy(&(*g)->context); /* and all that lives in it */
+    context_destroy(&(*g)->context); /* with its programs and textures */
     free((*g)->padded);
     free(*g);
     *g = NULL;

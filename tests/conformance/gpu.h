@@ -1,8 +1,5 @@
-/* Runs a function of GLSL over a grid of integer inputs and reads integers back: what conformance is made
- * of.
- *
- * Everything travels as bits in RGBA32UI, so that NaN and denormals arrive as they are and no result is
- * rounded.
+/* Runs a function of GLSL over a grid of integer inputs and reads integers back, for all tests of conformance. * Inputs
+ * and outputs are bits in RGBA32UI textures, so that NaN and denormals stay as they are and no result is rounded.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,8 +17,8 @@ typedef struct gpu gpu;
 /* NULL on failure, with the reason in why[why_size]. The device must have been prepared. */
 gpu *gpu_create(const context_device *device, char *why, size_t why_size);
 
-/* For the set-up of a test: prepares the process for the device and makes it; says why and ends the process
- * as a skipped test where the machine has none. */
+/* For the set-up of a test: prepares the process for the device and opens it. Where the machine has none, prints the
+ * reason and ends the process as a skipped test. */
 gpu *gpu_create_or_skip(const context_device *device);
 
 /* The set-up and the teardown of a group of tests (cmocka_run_group_tests) on the first device: gpu_create_or_skip and
@@ -44,7 +41,7 @@ unsigned gpu_program(gpu *g, const char *preamble, const char *library, const ch
                      const btf_log *log);
 void gpu_delete_program(gpu *g, unsigned program);
 
-/* The units that gpu_run uses itself are 0; textures of the decoder go to GPU_FIRST_UNIT onwards. */
+/* gpu_run itself uses texture unit 0; the decoder's textures are bound to GPU_FIRST_UNIT onwards. */
 enum { GPU_FIRST_UNIT = 1 };
 
 /* Runs the program over `count` elements: inputs[count][8], outputs[count][4]; count at most GPU_SIDE^2. */

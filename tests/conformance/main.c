@@ -248,7 +248,7 @@ static btf_result run(const cli_arguments *files) {
                          .files = files->values,
                          .file_count = files->count,
                          .log = &log};
-    /* A file that cannot be read is the user's mistake, not a device's. */
+    /* A file that cannot be read ends the program with a usage error; it is no failure of a device. */
     for (int i = 0; i < files->count; ++i) {
         btf_material *material = NULL;
         btf_result result = btf_material_open(files->values[i], &log, &material);

@@ -1,5 +1,6 @@
-/* Rows are added until every pair stands in one, each row the best of some random tries. Every four stand in rows that
- * each begin with four that are missing and go on, factor by factor, with the level that brings the most.
+/* Pairs: rows are added, each the best of some random tries, until every pair occurs in one. Fours: each row begins
+ * with a combination of four that is still missing, and then gets for each other factor the level that adds most new
+ * ones. (Greedy covering arrays: D. Cohen et al., The AETG system, 1997.)
  *
  * SPDX-License-Identifier: MIT
  */
@@ -68,13 +69,13 @@ typedef struct fourwise {
     uint8_t *met;
 } fourwise;
 
-/* A row that is being filled: of each factor the bits of the levels that the ones set so far allow. */
+/* A row that is being filled: for each factor, the bits of the levels that the levels set so far allow. */
 typedef struct partial {
     uint8_t allowed[PAIRWISE_FACTORS], level[PAIRWISE_FACTORS], set[PAIRWISE_FACTORS];
     size_t count; /* of set, which is sorted */
 } partial;
 
-/* Whether a factor can take a level; if so it does. */
+/* Sets a factor to a level if the needs allow it; returns whether they do. */
 static int set_level(const fourwise *c, partial *row, size_t factor, uint8_t level) {
     uint8_t allowed[PAIRWISE_FACTORS];
     memcpy(allowed, row->allowed, sizeof allowed);
@@ -105,8 +106,8 @@ static uint8_t *met_of(const fourwise *c, const uint8_t *level, size_t f, size_t
     return &c->met[c->first[f][g][h][i] + at];
 }
 
-/* Counts the fours of the set factors that no row has yet, only those with `with` in them if it is a factor; marks them
- * when `mark`. */
+/* Counts the combinations of four set factors that no row has yet, or, if `with` is a factor, those that contain it;
+ * marks them when `mark`. */
 static int new_fours(const fourwise *c, const partial *row, size_t with, int mark) {
     int count = 0;
     const size_t n = row->count;
@@ -129,7 +130,7 @@ static int new_fours(const fourwise *c, const partial *row, size_t with, int mar
     return count;
 }
 
-/* Sets the other factors in a random order, each to the level that brings the most new fours. */
+/* Sets the other factors in a random order, each to the level that adds most new combinations of four. */
 static void fill(const fourwise *c, random_state *r, partial *row) {
     uint8_t order[PAIRWISE_FACTORS] = {0};
     for (size_t f = 0; f < c->factors; ++f) {
@@ -168,7 +169,7 @@ static partial empty_row(const fourwise *c) {
     return row;
 }
 
-/* Rows for the fours of four factors. */
+/* Makes rows for all combinations of levels of these four factors. */
 static size_t rows_of_four(const fourwise *c, random_state *r, const size_t of[4], size_t most,
                            uint8_t (*rows)[PAIRWISE_FACTORS]) {
     size_t count = 0;

@@ -1,4 +1,4 @@
-/* Rows of settings in which every two settings of two factors meet, or every four of four.
+/* Rows of settings in which all combinations of settings of two factors occur, or of four.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,8 +20,8 @@ typedef struct pairwise_need {
     uint8_t factor, other, allowed;
 } pairwise_need;
 
-/* The same for every four levels of four factors that the needs allow together; each row keeps to the needs.
- * Returns 0 where memory is out. */
+/* The same for all combinations of levels of four factors that the needs allow; every row keeps to the needs. Returns 0
+ * where memory is out. */
 size_t fourwise_rows(uint64_t seed, size_t factors, const uint8_t *levels, const pairwise_need *needs, size_t need_count,
                      size_t most, uint8_t (*rows)[PAIRWISE_FACTORS]);
 

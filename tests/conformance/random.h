@@ -1,4 +1,4 @@
-/* A seeded generator of numbers (splitmix64, Steele et al. 2014): the same on every machine.
+/* A seeded generator of random numbers (splitmix64, G. Steele et al. 2014): the same numbers on every machine.
  *
  * SPDX-License-Identifier: MIT
  */

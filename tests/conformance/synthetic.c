@@ -94,8 +94,7 @@ static uint16_t half_of_float(float x) {
     return (uint16_t)((x < 0 ? 0x8000 : 0) | (((exponent + 14) << 10) + (int)(steps - 1024)));
 }
 
-/* Is this component of this layer of `sbrdf` stored? And is it of a lobe's vector, its exponent, or a
- * colour? */
+/* What a component of a layer of `sbrdf` holds: nothing, part of a lobe's vector, its exponent, or a colour. */
 static char parameter_kind(const synthetic_spec *s, uint32_t layer, uint32_t component) {
     uint32_t colour_layers = s->colour == BTF_COLOUR_MONO ? 1 : (3 + 3 * s->lobes + 3) / 4;
     if (layer >= colour_layers) {
@@ -155,7 +154,7 @@ static void make_point(random_state *r, const synthetic_spec *s, uint32_t centre
 
 static void fill_maps(random_state *r, const synthetic_spec *s, const btf_material_info *info,
                       uint8_t *data) {
-    if (!data) { /* none of the effects that it holds */
+    if (!data) { /* the material has no effect that this texture serves */
         return;
     }
     uint32_t tiles = info->n_views > info->n_lights ? info->n_views : info->n_lights;
@@ -339,8 +338,7 @@ static float make_scale(random_state *r, const synthetic_spec *s, float plausibl
     return s->values == SYNTHETIC_EXTREME ? extreme_float(r, 1) : plausible;
 }
 
-/* Everything of the info that the spec says. Sizes of the atlas and the number of centres follow from it.
- */
+/* Fills the info by the spec. The size of the atlas and the number of centres follow from it. */
 static btf_result make_info(random_state *r, const synthetic_spec *s, btf_material_info *info) {
     /* clang-format off */
     *info = (btf_material_info){
@@ -427,8 +425,7 @@ static btf_result make_level(random_state *r, const synthetic_spec *spec, const 
     return BTF_OK;
 }
 
-/* A picture for viewers, which no decoder may read, in every second material of version 2; NULL in others.
- */
+/* A preview for image viewers, which no decoder may read, in every second material of version 2; NULL in others. */
 static uint16_t *make_preview(random_state *r, const synthetic_spec *spec, const btf_material_info *info) {
     const bool version_2 = info->store == BTF_STORE_FACTORS || info->blend == BTF_BLEND_ROOTS ||
                            spec->packed || info->effects & (BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS);

@@ -1,4 +1,4 @@
-/* Random materials that are legal to the last bit: every corner of the format, none of its meaning.
+/* Random materials that follow every rule of the format and reach its limits, but show nothing meaningful.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -18,14 +18,14 @@ static btf_gl_function real(const char *name) {
     return o.get_proc_address(o.user, name);
 }
 
-/* A context that says other things than the real one. */
+/* Answers that a faked context gives in place of the real one's. */
 static struct {
     const char *missing;
     GLint texture_size, layers, major, minor; /* 0: as it is */
     const char *version;
     int live;         /* textures made and not deleted */
-    int wrong_levels; /* mip levels hold other texels than those given */
-    int wrong_layers; /* so do arrays */
+    int wrong_levels; /* mip levels get other texels than those uploaded */
+    int wrong_layers; /* array layers get other texels than those uploaded */
 } fake;
 
 static int as_it_is(void **state) {
@@ -108,7 +108,7 @@ static btf_gl_function fake_get_proc_address(void *user, const char *name) {
 
 static const btf_gl_options faked = {sizeof faked, fake_get_proc_address, NULL, NULL};
 
-/* An upload through the fake must fail like this and leave nothing. */
+/* An upload through the faked context must fail with this result and message, and leave no texture. */
 static void expect_refusal(const btf_material *material, btf_result result, const char *words) {
     btf_gl *gl = (btf_gl *)&fake;
     fake.live = 0;
@@ -130,7 +130,7 @@ FAKE_TEST(limits_are_told_with_both_numbers) {
     expect_refusal(tight, BTF_ERROR_UNSUPPORTED, "shadow: 13 layers exceed GL_MAX_ARRAY_TEXTURE_LAYERS 12");
 }
 
-/* The atlas is larger than the context allows: taken apart, it fits. */
+/* An atlas that is larger than the context allows is uploaded in layout tight. */
 FAKE_TEST(an_atlas_too_large_is_taken_apart) {
     int fits = -1;
     btf_material *whole = NULL, *apart = NULL;
@@ -177,7 +177,7 @@ FAKE_TEST(old_and_partial_contexts_are_refused) {
     assert_int_equal(btf_gl_upload(tight, NULL, NULL, &gl), BTF_ERROR_USAGE);
 }
 
-/* Not an error of the device as a whole: a bit of its own. */
+/* Wrong mip levels set a bit of the self-test of their own: the device can still decode materials of one level. */
 FAKE_TEST(wrong_mip_levels_are_told) {
     uint32_t failures;
     char names[200];
@@ -222,7 +222,7 @@ TEST(uploads_what_a_variant_reads) {
     btf_material_info info = accepted_info(tight);
     btf_gl *gl;
     assert_int_equal(btf_gl_upload(tight, &options, &log_keep, &gl), BTF_OK);
-    /* The shift needs to know which points are hidden. */
+    /* decoding the shift needs the gain's codes, which say which points are hidden */
     uint32_t expected = 1u << BTF_TEXTURE_SBRDF | 1u << BTF_TEXTURE_SHIFT | 1u << BTF_TEXTURE_GAIN |
                         1u << BTF_TEXTURE_RESIDUAL_TEXELS | 1u << BTF_TEXTURE_RESIDUAL_DIRECTIONS |
                         1u << BTF_TEXTURE_RESIDUAL_SCALES | 1u << BTF_TEXTURE_VIEW_TABLE |
@@ -263,8 +263,8 @@ static GLint layers_on_device(const btf_gl *gl, btf_texture_id id, GLint level) 
     return layers;
 }
 
-/* Units are whole layers, of classes 1 and 3 two of factor_texels, at every level; a context of few layers
- * holds so many of them. */
+/* A unit is one layer of factor_texels, two in classes 1 and 3, at every level. A context with few layers holds the
+ * first units. */
 FAKE_TEST(uploads_the_first_units) {
     enum { UNITS = 9, WIDTH = 8, HEIGHT = 6, LEVELS = 3, VIEWS = 5, LIGHTS = 4 };
     static const GLint layers[UNITS + 1] = {0, 1, 2, 4, 5, 6, 7, 9, 10, 11};
@@ -405,7 +405,7 @@ TEST(state_is_restored) {
     api->DeleteSamplers(1, &sampler);
 }
 
-/* Uploaded under odd unpacking state, the texels still arrive. */
+/* Texels are uploaded correctly under any unpacking state. */
 TEST(unpacking_state_does_not_matter) {
     set_state(1, 0, 0, 0);
     btf_gl_options options = gpu_gl_options(device, NULL);
@@ -425,6 +425,8 @@ TEST(unpacking_state_does_not_matter) {
     btf_gl_destroy(&gl);
 }
 
+/* Two decoders with different prefixes in one program, two sets of textures bound at once: even pixels show one
+ * material, odd ones the other, both with the reference's bits. */
 TEST(two_materials_share_a_program) {
     enum { COUNT = 4096 };
     static const char body[] =
@@ -490,7 +492,7 @@ TEST(two_materials_share_a_program) {
     btf_gl_destroy(&gl[1]);
 }
 
-/* The library's are the reference's, which conformance holds the shader's against. */
+/* The library's random numbers are those of the reference, with which conformance compares the shader's. */
 TEST(random_numbers_of_a_counter) {
     random_state r = {3};
     for (int i = 0; i < 1000; ++i) {
@@ -531,7 +533,7 @@ TEST(options_are_checked) {
     assert_non_null(strstr(text, "#define CLOTH_STOCHASTIC 3\n"));
     assert_non_null(strstr(text, "vec3 cloth_evaluate_stochastic("));
     btf_free(text);
-    /* Options of an older, shorter kind: what it lacks is the default. */
+    /* options of an older, shorter struct: members that it lacks have their defaults */
     btf_shader_options old = {.struct_size = offsetof(btf_shader_options, filter), .filter = (btf_filter)7};
     assert_int_equal(btf_shader_source(tight, &old, &log_keep, &text), BTF_OK);
     assert_non_null(strstr(text, "#define BTF_BILINEAR 0\n"));

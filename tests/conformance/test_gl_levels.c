@@ -131,7 +131,7 @@ TEST(level_of_two_steps) {
     }
 }
 
-/* The whole way: a surface of which one pixel steps over four columns and three rows. */
+/* From uv to level: a surface on which one pixel steps over four columns and three rows. */
 TEST(level_of_derivatives) {
     static const char body[] =
         "uvec4 check(uvec4 a, uvec4 b) {\n"

@@ -1,5 +1,5 @@
-/* The GL state of an application, of compatibility contexts above all: none of it changes what is uploaded
- * or what the self-test finds, and all of it is as it was afterwards.
+/* The GL state of an application, of compatibility contexts above all: it does not change uploads or the result of the
+ * self-test, and the library restores it.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -24,7 +24,7 @@ static void use(int compatibility) {
     }
 }
 
-/* The fakes below answer with these and count in them. */
+/* The answers of the faked functions below, and the calls that they count. */
 static struct {
     int profile_is_0, has_imaging;
     int transfers_called;                      /* calls of glPixelTransferf */
@@ -159,8 +159,8 @@ static void expect_no_error(void) {
     assert_int_equal(glGetError(), GL_NO_ERROR);
 }
 
-/* The texels of a texture on the GPU are those of the material. Pixel transfer must be neutral, for it
- * changes what is read as well. */
+/* Checks that a texture on the GPU holds the material's texels. Pixel transfer must be neutral, because it changes what
+ * is read back as well. */
 static void expect_texels(const btf_gl *gl, const btf_material *m, btf_texture_id id, GLenum format,
                           GLenum type) {
     const btf_texture t = btf_material_texture(m, id);
@@ -221,7 +221,7 @@ TEST(pixel_transfer_does_not_matter) {
     memset(&fake, 0, sizeof fake);
     set_transfer(1);
     read_transfer(before);
-    assert_true(before[0] == 0.5f && before[12] == 1 && before[8] == 4); /* it took */
+    assert_true(before[0] == 0.5f && before[12] == 1 && before[8] == 4); /* the context took the state */
     btf_gl *gl = upload(material), *halves = upload(half_floats), *packed = upload(factored);
     expect_no_error();
     read_transfer(after);
@@ -244,7 +244,7 @@ TEST(pixel_transfer_does_not_matter) {
     btf_gl_destroy(&packed);
 }
 
-/* The probe itself: an upload under this state is another one. */
+/* Shows that the test can fail: under this state a plain upload gives other texels. */
 TEST(pixel_transfer_would_matter) {
     use(1);
     static const GLfloat texel[4] = {0.25f, 0.5f, 0.75f, 1};
@@ -268,7 +268,7 @@ static const GLenum switches[] = {GL_CULL_FACE, GL_DEPTH_TEST, GL_STENCIL_TEST, 
                                   GL_POLYGON_STIPPLE, GL_ALPHA_TEST, GL_TEXTURE_2D, GL_LIGHTING};
 enum { SWITCHES = sizeof switches / sizeof *switches, OF_COMPATIBILITY = 4 };
 
-/* Sets every state that keeps a pixel from being drawn, or changes it. */
+/* Sets all state that can keep a pixel from being drawn, or change it. */
 static void set_drawing(int compatibility, int odd) {
     static const GLubyte nothing[128] = {0};
     static const GLdouble behind[4] = {0, 0, 0, -1};
@@ -347,8 +347,8 @@ TEST(the_imaging_subset_is_put_aside) {
     expect_no_error();
 }
 
-/* A core context has no pixel transfer, and is not asked; one that does not say which it is, is asked
- * without an error that the application would see. */
+/* A core context has no pixel transfer, and the library does not ask it. A context that does not tell its profile is
+ * asked, and the application sees no error of that. */
 TEST(core_contexts_get_no_errors) {
     use(0);
     for (int profile_is_0 = 0; profile_is_0 < 2; ++profile_is_0) {

@@ -1,5 +1,5 @@
-/* Files of both versions, written once and kept, with the bits that they decoded to then: whatever changes,
- * they must open and decode to the same. They hold what the encoder never writes too: other compressions,
+/* Files of both versions, written once and kept, with the bits that they decoded to then. Whatever changes in the
+ * library, they must open and decode to the same bits. Some have what the encoder never writes: other compressions,
  * private parts, rows from below, extreme parameters, mixtures of classes, codes at their bounds.
  *
  * test_golden: checks tests/data/golden with the reference, and with a device where there is one.
@@ -296,7 +296,7 @@ TEST(reference_gives_the_bits) {
     }
 }
 
-/* The version that the library gives them, and that they are written as. */
+/* Each file has the version that the library gives its material, and is saved with that version. */
 TEST(versions_stay) {
     for (int i = 0; i < FILES; ++i) {
         btf_material *material = open_golden(files[i].name), *again = NULL;

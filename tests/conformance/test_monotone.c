@@ -1,6 +1,5 @@
-/* Less is never more: over every pair of shader variants of which one leaves out what the other has, the
- * smaller never uploads more bytes, nor has more SPIR-V instructions or texture fetches on its longest
- * path.
+/* Leaving out effects never costs more: of two shader variants, one of which leaves out effects of the other, the
+ * smaller never uploads more bytes, nor has more SPIR-V instructions or texture fetches on its longest path.
  *
  * Loops count as often as they run: by their constant bound, else (neighbouring directions) 3 times, once
  * with nearest directions; the records of a look-up 4 times.
@@ -32,7 +31,7 @@ typedef struct count {
     size_t bytes;
 } count;
 
-/* A SPIR-V module and what is known of its ids. */
+/* A SPIR-V module and a table of its ids. */
 typedef struct module {
     const unsigned *words;
     unsigned trips;
@@ -82,7 +81,8 @@ static int find_block(const body *b, unsigned label) {
     exit(4);
 }
 
-/* The end of a loop's body goes on behind the loop, as if it ended there. */
+/* The longest path from a block. The branch back at the end of a loop's body counts as one to the block after the
+ * loop. */
 static count longest(body *b, int at) {
     block *here = &b->block[at];
     if (here->done) {
@@ -128,7 +128,7 @@ static count function_cost(module *m, unsigned id) {
         exit(4);
     }
     const bool look_up = m->name[id] && strncmp(m->name[id], "btf_lookup", 10) == 0;
-    int loop = -1; /* whose bound is not met yet */
+    int loop = -1; /* the loop whose bound was not read yet */
     for (size_t i = m->function[id]; (m->words[i] & 0xFFFF) != OP_FUNCTION_END; i += m->words[i] >> 16) {
         const unsigned op = m->words[i] & 0xFFFF, *w = m->words + i;
         block *now = b.count ? &b.block[b.count - 1] : NULL;
@@ -298,6 +298,8 @@ static bool is_less(const choice *a, const choice *b) {
            a->bilinear <= b->bilinear && a->fixed >= b->fixed;
 }
 
+/* Measures all variants of one material and compares all pairs; returns the number of wrong ones, of which it prints
+ * five. */
 static int check_layout(btf_layout layout) {
     const synthetic_spec spec = {.seed = 1,
                                  .width = 16,

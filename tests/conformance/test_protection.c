@@ -1,5 +1,5 @@
-/* The protections that keep the decoder exact, and its results without them: the self-test passes here,
- * names what a (simulated) device breaks, and the decoder without protection is seen to differ.
+/* The protections that keep the decoder's arithmetic exact: the self-test passes here and names what a simulated device
+ * breaks, and a decoder without the protections gives other results.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,7 +9,7 @@
 #include "tests/support/test.h"
 #include "variant.h"
 
-/* A zero that compilers know: the bit cast keeps nothing apart. */
+/* Defines the run-time zero as a constant, so that compilers can optimise the protection away. */
 static const char unprotected[] = "#define BTF_HAVE_PRECISE 0\n#define BTF_ZERO 0u\n";
 static const char bit_casts[] = "#define BTF_HAVE_PRECISE 0\n";
 

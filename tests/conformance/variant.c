@@ -1,5 +1,4 @@
-/* Pairwise variants: rows are added until every pair of two factors' levels stands in one, each row the
- * best of some random tries.
+/* Variants in which all pairs of settings occur (pairwise.h).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -34,8 +33,7 @@ enum factor {
 };
 static const uint8_t levels[FACTORS] = {6, 6, 3, 2, 3, 2, 4, 2, 2, 3, 2, 4, 2, 6, 2, 2, 2};
 
-/* The same for materials of version 2, whose codes and channels are what is new: fewer sizes and effects,
- * in all pairs with these. */
+/* The factors for materials of version 2: their codes and channels in all pairs with fewer sizes and effects. */
 enum factor_2 {
     SIZE_2,
     DIRECTIONS_2,
@@ -57,7 +55,7 @@ enum factor_2 {
 };
 static const uint8_t levels_2[FACTORS_2] = {2, 2, 3, 3, 3, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2};
 
-/* The same for packed points, which meet every other part of a material. */
+/* The factors for packed points, in pairs with every other part of a material. */
 enum factor_3 {
     LAYOUT_3, /* one level, all levels of detail */
     DOMAIN_3, /* linear, roots blended as radiance, as roots */
@@ -73,7 +71,7 @@ enum factor_3 {
 };
 static const uint8_t levels_3[FACTORS_3] = {2, 3, 3, 2, 3, 2, 4, 2, 2, 2};
 
-/* The same for relief, gloss and the steep filter, which each part of a material meets. */
+/* The factors for relief, gloss and the steep filter, in pairs with every other part of a material. */
 enum factor_4 {
     SIZE_4,
     DIRECTIONS_4,
@@ -322,8 +320,8 @@ static void make_variant_4(const uint8_t row[FACTORS_4], uint64_t seed, variant 
     write_name(v);
 }
 
-/* A mixture that was not used yet, of few classes for bilinear filtering, else of many: compilers take long
- * over both together. */
+/* Chooses a mixture that was not used yet: of few classes for bilinear filtering, else of many, because compilers take
+ * long for both together. */
 static size_t choose_mixture(bool used[MIXTURES], bool bilinear) {
     size_t best = 0;
     int least = BTF_FACTOR_CLASSES + 1;

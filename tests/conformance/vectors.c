@@ -17,7 +17,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Bytes of a material's textures; pixels of a row of its tables. */
+/* LARGEST: the most bytes of a material's textures. TABLE_WIDTH: pixels in a row of the tables' image. */
 enum { SIDE = 16, PIXELS = SIDE * SIDE, PLANES = 5, SAMPLED = 2, LARGEST = 400000, TABLE_WIDTH = 64 };
 static const char *const plane_names[PLANES + SAMPLED] = {"uv",     "light", "view",   "radiance",
                                                           "picked", "drawn", "density"};
@@ -116,7 +116,7 @@ static btf_result write_vector(const char *directory, int number, const variant 
     }
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
-    if (info.gpu_bytes > LARGEST) { /* the others have all that it shows */
+    if (info.gpu_bytes > LARGEST) { /* left out: smaller materials show the same */
         btf_material_close(&material);
         return BTF_OK;
     }

@@ -1,5 +1,5 @@
-/* Helpers of all fuzz targets. Each target is one file with LLVMFuzzerTestOneInput; tests/fuzz/run.sh links
- * it with libFuzzer, the build with replay.c.
+/* Helpers of all fuzz targets. Each target is one file with LLVMFuzzerTestOneInput. tests/fuzz/run.sh links it with
+ * libFuzzer, the ordinary build with replay.c.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -14,7 +14,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* Ends the process where a promise does not hold, also in builds without asserts. */
+/* Ends the process where the condition is false, also in builds without asserts. */
 #define FUZZ_CHECK(condition)                                                                              \
     do {                                                                                                   \
         if (!(condition)) {                                                                                \
@@ -23,14 +23,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
         }                                                                                                  \
     } while (0)
 
-/* The bytes as a file that has no place on disk; returns its path. The same file every time. */
+/* Puts the bytes into a file in memory and returns its path. Every call uses the same file. */
 const char *fuzz_file(const uint8_t *data, size_t size);
 
-/* Changes data[size] in place, within max_size bytes: attributes, names, types and pixels of an OpenEXR
- * file, with offsets that still fit, so that what lies behind the outer checks is reached. Returns the new
- * size. */
+/* Changes data[size] in place, within max_size bytes: attributes, names, types and pixels of an OpenEXR file. Offsets
+ * are adjusted, so that the code after a reader's first checks is reached. Returns the new size. */
 size_t fuzz_mutate_exr(uint8_t *data, size_t size, size_t max_size, unsigned seed);
-/* The same for PNG: any bytes, then checksums that fit them. */
+/* The same for PNG: changes any bytes, then makes the checksums right. */
 size_t fuzz_mutate_png(uint8_t *data, size_t size, size_t max_size, unsigned seed);
 
 #endif

@@ -1,5 +1,5 @@
-/* Fuzz target: an archive of images from bytes, listed and read through. tests/fuzz/run.sh bounds a file in
- * it to 1 MiB, so that a few bytes that stand for a gigabyte do not take all the time.
+/* Fuzz target: an archive of images from bytes, listed and read through. tests/fuzz/run.sh limits files in it to 1 MiB,
+ * so that inputs which unpack to a gigabyte do not take all the time.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,5 +1,5 @@
-/* Fuzz target: one of Bonn's binary .btf files from bytes: opened, its direction side made, a few texels
- * decoded.
+/* Fuzz target: one of Bonn's binary .btf files from bytes. The target opens it, prepares its factors of directions and
+ * decodes a few texels.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,6 +1,6 @@
-/* Fuzz target: bytes as the result of a step that a checkpoint holds, whole and of the right data. The
- * first byte says which step. A result that is taken can be worked with: the target reads all of it, and the factor
- * encoder goes on from its steps.
+/* Fuzz target: bytes as the result of a step in a checkpoint, undamaged and of the right data. The first byte says
+ * which step. An accepted result must be usable: the target reads all of it, and the factor encoder goes on from its
+ * steps.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -101,8 +101,8 @@ static void check_factors(bool match) {
     enc_factors_destroy(&f);
 }
 
-/* Values at the nodes along the surface that was taken, which a file may hold (FORMAT.md section 7): marches along
- * higher ones would leave the tables of wrapped texels. */
+/* Makes the values at the nodes along the accepted surface. Its heights must be ones that a file may hold (FORMAT.md
+ * section 7), since marches along higher ones would read beyond the tables of wrapped texels. */
 static void bake(const enc_relief_store *store) {
     const bool map = store->heights != NULL, rises = store->step > 0;
     FUZZ_CHECK(store->base + ((255 * store->step) >> 8) <= INT16_MAX && map == rises);
@@ -121,7 +121,7 @@ static void bake(const enc_relief_store *store) {
     enc_warp_clear(&surface);
 }
 
-/* Relief that is taken from a checkpoint can be put into words, kept again, and used to decode. */
+/* An accepted relief can be described in messages, stored again, and used to decode. */
 static void check_relief(void) {
     char reason[ENC_RELIEF_REASON], text[ENC_RELIEF_TEXT];
     enc_relief_choice choice;
@@ -142,7 +142,7 @@ static void check_relief(void) {
     enc_relief_clear(&store);
 }
 
-/* Steps of other inputs do not stay. */
+/* Removes the steps of the previous input. */
 static void forget(void) {
     for (int i = STEP_COMPONENTS; i <= STEP_MATCH; i++) {
         enc_blob empty = {0};

@@ -20,7 +20,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const btf_log log = {count, &messages};
     const btf_decode_counts ones = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
     btf_cost_model model;
-    char *text = malloc(size ? size : 1); /* of that size, so that reading on is noticed */
+    char *text = malloc(size ? size : 1); /* of exactly that size, so that a read beyond it is noticed */
     FUZZ_CHECK(text != NULL);
     if (size) {
         memcpy(text, data, size);

@@ -1,5 +1,5 @@
-/* Fuzz target: bytes as a file with an environment map, Radiance or OpenEXR, cut into as many lights as its
- * last byte says, turned and scaled. A map that is taken gives lights that can be summed.
+/* Fuzz target: bytes as an environment map, Radiance or OpenEXR, from which as many lights are made as its last byte
+ * says, rotated and scaled. An accepted map must give lights that can be summed.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -37,7 +37,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
 size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max_size);
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsigned seed);
-/* OpenEXR files keep offsets that fit; Radiance files have nothing to fit. */
+/* Changes OpenEXR files by their structure, Radiance files, which have none, by libFuzzer's own mutator. */
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsigned seed) {
     return size >= 2 && data[0] == '#' && data[1] == '?' ? LLVMFuzzerMutate(data, size, max_size)
                                                          : fuzz_mutate_exr(data, size, max_size, seed);

@@ -1,5 +1,5 @@
-/* Fuzz target: one image from bytes, as the encoder reads it. Built once a format, which FUZZ_IMAGE names:
- * other content is not followed, so that each has its own time.
+/* Fuzz target: one image from bytes, as the encoder reads it. Built once for each format, which FUZZ_IMAGE names:
+ * content of other formats is skipped, so that each format gets its own time.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -43,7 +43,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const size_t bytes =
         (size_t)image.width * (size_t)image.height * (size_t)image.channels * (size_t)image.depth / 8;
     uint8_t sum = 0;
-    for (size_t i = 0; i < bytes; i++) { /* every byte is there to be read */
+    for (size_t i = 0; i < bytes; i++) { /* every byte can be read */
         sum ^= ((const uint8_t *)image.pixels)[i];
     }
     volatile uint8_t keep = sum;

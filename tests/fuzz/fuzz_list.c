@@ -1,6 +1,6 @@
-/* Fuzz target: bytes as a list of inputs (encoder/job/batch.h) and as a table of lights that were moved
- * (encoder/input/light_positions.h). A list that is taken names inputs and outputs of their own, and directions
- * above the horizon.
+/* Fuzz target: bytes as a list of inputs (encoder/job/batch.h) and as a table of displaced lights
+ * (encoder/input/light_positions.h). An accepted list must name inputs and distinct outputs; an accepted table,
+ * directions above the horizon.
  *
  * SPDX-License-Identifier: MIT
  */

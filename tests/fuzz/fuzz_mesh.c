@@ -1,4 +1,4 @@
-/* Fuzz target: bytes as an OBJ file. A file that is taken gives a mesh that can be drawn.
+/* Fuzz target: bytes as an OBJ file. An accepted file must give a mesh that can be drawn.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -10,7 +10,7 @@
 
 static int errors;
 
-/* Warnings of what is left out, such as curves, may come with a mesh and without one. */
+/* Counts errors. Warnings about statements that are left out, such as curves, may come with a mesh or without. */
 static void count_message(void *user, btf_log_level level, const char *message) {
     (void)user;
     errors += level == BTF_LOG_ERROR && message[0] != 0;

@@ -1,4 +1,4 @@
-/* Fuzz target: what the path of an image says of its directions.
+/* Fuzz target: bytes as the path of an image, from which its directions are read.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,5 +1,5 @@
-/* Fuzz target: a command line, one argument a line, against a table with every kind of option; and each
- * line by itself as a list of directions. A value that is taken lies within its range.
+/* Fuzz target: a command line, one argument a line, against a table with every kind of option; and each line by itself
+ * as a list of directions. An accepted value must lie within its range.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,8 +1,7 @@
-/* Fuzz target: plans and restrictions of a small material, all read from the input: any range, any bits of
- * its numbers, any tolerance, any table of effect errors, and plans that no planner made.
- *
- * Exactly those inputs are refused that are no scene; a plan is no worse than the tolerance allows; what a
- * restriction decodes are the bits that the whole material does.
+/* Fuzz target: plans and restrictions of a small material, all read from the input: any range, any bits of its numbers,
+ * any tolerance, any table of effect errors, and plans that no planner made. * A scene must be refused exactly when it
+ * breaks a rule of openbtf/plan.h; a plan's error must be within the tolerance; and a restriction must decode to the
+ * same bits as the whole material.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -16,7 +15,7 @@
 
 enum { SAMPLES = 6, MOST_ERRORS = 160 };
 
-/* The input as numbers; zeros behind its end. */
+/* Reads the input as numbers; after its end it gives zeros. */
 typedef struct input {
     const uint8_t *data;
     size_t size;
@@ -74,8 +73,8 @@ static btf_range range_of(input *in) {
     return range;
 }
 
-/* FORMAT.md section 7: limits that rise, and rows that start with what the material has. Now and then one
- * does not. */
+/* Makes a table by FORMAT.md section 7: rising limits, and rows that begin with effects and components of the material.
+ * Now and then a number breaks a rule. */
 static size_t errors_of(input *in, const btf_material_info *info, float *out) {
     const uint32_t views = 1 + below(in, 3), lights = 1 + below(in, 2), rows = below(in, 8);
     size_t n = 2;
@@ -134,7 +133,7 @@ static btf_material *material_of(input *in, random_state *r) {
     desc.effect_errors = desc.effect_error_count ? errors : NULL;
     factor_material_fill(r, &desc);
     btf_material *material = NULL;
-    if (btf_material_create(&desc, NULL, &material) != BTF_OK) { /* the table is none */
+    if (btf_material_create(&desc, NULL, &material) != BTF_OK) { /* the table is refused: try without */
         desc.effect_error_count = 0;
         desc.effect_errors = NULL;
         FUZZ_CHECK(btf_material_create(&desc, NULL, &material) == BTF_OK);
@@ -143,7 +142,7 @@ static btf_material *material_of(input *in, random_state *r) {
     return material;
 }
 
-/* openbtf/plan.h, read once more. */
+/* Whether a range is legal, written anew from openbtf/plan.h. */
 static bool is_range(const btf_range *r) {
     const double x = r->direction[0], y = r->direction[1], z = r->direction[2];
     return r->fixed ? fabs(sqrt(x * x + y * y + z * z) - 1) <= 1e-3 && z >= 0x1p-24
@@ -170,7 +169,7 @@ static void check_plan(const btf_plan *plan, const btf_material_info *info, floa
     FUZZ_CHECK((plan->fold == BTF_FOLD_NONE) == (plan->fold_bytes == 0));
 }
 
-/* A restriction is a file like any other. */
+/* Saves a restriction and opens it again: it must decode to the same bits. */
 static void check_saved(random_state *r, const btf_material *whole, const btf_material *small,
                         const btf_plan *plan) {
     int lit;
@@ -184,7 +183,7 @@ static void check_saved(random_state *r, const btf_material *whole, const btf_ma
     btf_material_close(&back);
 }
 
-/* The restriction to a plan against the whole. */
+/* Compares the restriction to a plan with the whole material. */
 static void check_restriction(random_state *r, const btf_material *whole, const btf_plan *plan, bool save) {
     btf_material *small = NULL;
     int lit;
@@ -199,7 +198,7 @@ static void check_restriction(random_state *r, const btf_material *whole, const 
     btf_material_close(&small);
 }
 
-/* A plan that somebody wrote: any numbers, or what the planner found with another set of effects. */
+/* A plan that a caller wrote: arbitrary numbers, or the planner's plan with another set of effects. */
 static void check_made_plan(input *in, random_state *r, const btf_material *whole,
                             const btf_material_info *info, btf_plan plan) {
     const bool raw = below(in, 2);
@@ -226,7 +225,8 @@ static void check_made_plan(input *in, random_state *r, const btf_material *whol
     check_restriction(r, whole, &plan, false);
 }
 
-/* Taken apart, it decodes alike; a shadow of no SBRDF, which layout `paper` can hold, is left out. */
+/* Converted to layout `tight`, the material decodes to the same bits. The shadow of a material without an SBRDF, which
+ * layout `paper` can hold, is dropped. */
 static void check_tight(random_state *r, const btf_material *paper, const btf_material_info *info) {
     const btf_plan everything = {.struct_size = sizeof everything};
     btf_material_info less = {.struct_size = sizeof less};

@@ -91,9 +91,9 @@ static void write_material(const char *name, btf_layout layout, btf_colour colou
     random_material_free(&desc);
 }
 
-/* One of version 2: a unit of each class, points packed where they can be, in lists of so many
- * entries where that is not 0, and a picture; or roots and no other store that is new. Relief acts on two
- * of three views, in a material cut from a finer one, and ends before level relief_end of 2. */
+/* A material of version 2. With `factors` it has a unit of each class, a preview, and packed points where it can, in
+ * lists of `entries` unless that is 0; else it blends roots and stores nothing new. Relief acts on two of three views,
+ * in a material cut from a finer one, and ends before level relief_end of 2. */
 static void write_version_2(const char *name, btf_layout layout, uint32_t effects, bool factors,
                             uint32_t entries, uint32_t relief_end) {
     static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{1, 1, 1}, {1, 2, 0}, {1}, {1, 0, 1}, {1}};
@@ -120,8 +120,8 @@ static void write_version_2(const char *name, btf_layout layout, uint32_t effect
     random_material_free(&desc);
 }
 
-/* One with tables of errors: of each way to decode at the samples, its differences from everything decoded, and between the
- * samples; the first two in two bands of views. */
+/* A material with all tables of errors: of the variants of decoding, their differences to decoding everything, and
+ * between the samples; the first two have two bands of views. */
 static void write_tables(void) {
     enum { BOTH = BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL };
     /* clang-format off */
@@ -150,7 +150,7 @@ static void write_tables(void) {
     random_material_free(&desc);
 }
 
-/* One with tables of errors between the samples of two levels, which a file keeps apart. */
+/* A material with errors between the samples of two levels, which a file keeps in two attributes. */
 static void write_level_tables(void) {
     /* clang-format off */
     static const float between[] = {1, 1, 0, 75, 0, 75,
@@ -194,7 +194,7 @@ static float slope(int c, int x, int y) {
     return (float)(c + x + 2 * y) * 0.125f;
 }
 
-/* Luminance and chroma, halves: with and without alpha, chroma of every second pixel. */
+/* Images of luminance and chroma in halves: with and without alpha, with chroma in every second pixel. */
 static void write_chroma(void) {
     static const bytes_channel all[4] = {{"A", BYTES_HALF, 1, 1},
                                          {"BY", BYTES_HALF, 2, 2},
@@ -218,7 +218,7 @@ static void write_exr(const char *name, const bytes_part *parts, int count) {
     free(data);
 }
 
-/* Layers, parts, a spectrum, primaries and what else a header may say. */
+/* Images with layers, parts, a spectrum, primaries and other meaningful attributes. */
 static void write_meanings(void) {
     static const float wide[8] = {0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f};
     const bytes_channel b = {"B", BYTES_HALF, 1, 1}, g = {"G", BYTES_HALF, 1, 1},
@@ -404,7 +404,7 @@ static void write_steps(void) {
     step_relief(data, &choice, &relief);
     must(relief.heights && relief.views && enc_relief_step_keep(&context, data, &choice, &relief) == BTF_OK,
          "relief");
-    bool taken = false; /* a seed that is refused would show nothing of what is made of it */
+    bool taken = false; /* a seed must be accepted, or the code after the check would not be reached */
     char reason[ENC_RELIEF_REASON];
     enc_relief_store again;
     must(enc_relief_step_take(&context, data, &taken, &choice, reason, &again) == BTF_OK && taken,

@@ -80,8 +80,8 @@ static bool read_layout(const uint8_t *data, size_t size, layout *l) {
     return l->count > 0;
 }
 
-/* Moves what lies from `end` on to `end + more`, and the offsets with it. Returns the new size, 0 when
- * there is no room. */
+/* Moves all bytes from `end` on to `end + more`, and adjusts the offsets. Returns the new size, 0 when there is no
+ * room. */
 static size_t make_room(uint8_t *data, size_t size, size_t max_size, const layout *l, size_t end,
                         long more) {
     const size_t moved = (size_t)((long)size + more);
@@ -104,7 +104,7 @@ static void put_size(uint8_t *data, const attribute *a, size_t bytes) {
     memcpy(data + a->value - 4, &value, 4);
 }
 
-/* A number that sits on some edge, over 4 bytes of the value. */
+/* Overwrites 4 bytes of the value with a number at some limit. */
 static void put_number(uint8_t *data, const attribute *a, uint32_t *state) {
     static const uint32_t numbers[] = {
         0,          1,          2,          3,          255,        256,        257,        16384,
@@ -182,7 +182,7 @@ size_t fuzz_mutate_exr(uint8_t *data, size_t size, size_t max_size, unsigned see
     if (kind == 0 || !read_layout(data, size, &l)) {
         return LLVMFuzzerMutate(data, size, max_size);
     }
-    if (kind < 3 && l.table < size) { /* offsets and chunks, their sizes kept */
+    if (kind < 3 && l.table < size) { /* changes offsets and chunks, without moving anything */
         const size_t at = l.table + random_next(&state) % (size - l.table);
         const size_t n = 1 + random_next(&state) % 64;
         LLVMFuzzerMutate(data + at, n < size - at ? n : size - at, n < size - at ? n : size - at);

@@ -1,4 +1,4 @@
-/* A mutator for PNG: any change, then checksums that fit, without which libpng reads no further.
+/* A mutator for PNG: makes any change and then the checksums right, without which libpng would read no further.
  *
  * SPDX-License-Identifier: MIT
  */

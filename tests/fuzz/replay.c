@@ -1,4 +1,4 @@
-/* Runs a fuzz target over the files of folders: what a build without libFuzzer can do with a corpus.
+/* Runs a fuzz target over the files of folders, in builds without libFuzzer.
  *
  *     fuzz-NAME FOLDER...
  *
@@ -12,7 +12,7 @@
 #include <dirent.h>
 #include <string.h>
 
-/* The whole file in a buffer of just its size, so that a sanitizer sees a read beyond it. */
+/* Runs the target on a file's bytes in a buffer of exactly their size, so that a sanitizer notices a read beyond it. */
 static void run_file(const char *path) {
     FILE *file = fopen(path, "rb");
     FUZZ_CHECK(file && fseek(file, 0, SEEK_END) == 0);

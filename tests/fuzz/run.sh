@@ -3,11 +3,11 @@
 #
 #   tests/fuzz/run.sh TARGET [SECONDS] [FOLDER]
 #
-# TARGET: material plan costs names options list mesh environment checkpoint jpeg png hdr exr archive bonn. SECONDS: by default
-# $BTF_FUZZ_SECONDS, else 20, which finds what is new in a reader; for a search, give hours. FOLDER (default build-fuzz) takes
-# the build (meson setup -Dfuzzer=true) and what is found: FOLDER/TARGET/found/ an input for each finding,
-# FOLDER/TARGET/corpus/ what it learnt. The last lines say how many executions there were, what they covered and what core time
-# they took. Exits 1 on a finding.
+# TARGET: material plan costs names options list mesh environment checkpoint jpeg png hdr exr archive bonn. SECONDS: by
+# default $BTF_FUZZ_SECONDS, else 20, which is enough for obvious faults of new code; for a search, give hours. FOLDER
+# (default build-fuzz) takes the build (meson setup -Dfuzzer=true) and the results: FOLDER/TARGET/found/ an input for
+# each finding, FOLDER/TARGET/corpus/ the corpus that grows. The last lines state the number of executions, the coverage
+# and the core time. Exits 1 on a finding.
 #
 # SPDX-License-Identifier: MIT
 set -eu
@@ -33,8 +33,8 @@ command -v clang >/dev/null && command -v clang++ >/dev/null || {
     exit 77
 }
 mkdir -p "$folder/$target/corpus" "$folder/$target/found"
-# One build for all targets; those that are fuzzed at the same time wait for each other here. With -O1 it takes six tenths of
-# what -O2 takes; of the C++, which only calls Ceres, no target runs anything.
+# All targets share one build; runs at the same time wait for each other here. With -O1 it takes six tenths of the time
+# of -O2. No target runs the C++ code, which only calls Ceres, so it is not optimised.
 (
     flock 9
     if [ ! -f "$folder/build.ninja" ]; then

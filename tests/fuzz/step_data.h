@@ -33,11 +33,11 @@ enum {
 };
 extern const char *const step_names[STEP_COUNT];
 
-/* A choice of relief and gloss for it, as one that has gone well, with arrays of its own: *out_store is cleared by
- * enc_relief_clear. */
+/* Makes a plausible choice of relief and gloss for the data, with arrays of its own; enc_relief_clear clears
+ * *out_store. */
 void step_relief(const enc_data *data, enc_relief_choice *out_choice, enc_relief_store *out_store);
 
-/* How the factor encoder goes over it, with match or without. */
+/* The options of the factor encoder for the data, with match or without. */
 enc_factor_options step_factors(bool match);
 
 /* Destroy with enc_data_destroy. NULL when out of memory. */

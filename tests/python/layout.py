@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes a C program that fails to compile where the ctypes structures of the openbtf package are laid out otherwise than
-those of the headers: size, members, and each member's offset and size.
+"""Writes a C program that fails to compile where the ctypes structures of the openbtf package differ from those of the
+headers in size, members, or a member's offset and size.
 
     layout.py OUT.c
 

@@ -337,7 +337,7 @@ class Documents(unittest.TestCase):
 
 
 class Lines(unittest.TextTestResult):
-    """A line a case, in the form that tests/summary.py counts."""
+    """Prints a line a case, in the form that tests/summary.py counts."""
 
     def startTest(self, test):
         super().startTest(test)

@@ -10,7 +10,7 @@ interpreter=$1
     echo "skipped: $interpreter has no numpy, setuptools or wheel"
     exit 77
 }
-unset LD_LIBRARY_PATH # with which meson lets programs find the libraries of the build folder
+unset LD_LIBRARY_PATH # meson sets it so that programs find the libraries of the build folder
 root=$BTF_SOURCE_ROOT
 mkdir lib
 ln -s "$build"/decoder/libopenbtf.so.0.2 "$build"/reference/libopenbtf_reference.so.0.2 \

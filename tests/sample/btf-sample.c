@@ -41,7 +41,7 @@ static const char *parse_relief(const char *text, void *value) {
 #undef RELIEF_WORD
 }
 
-/* "view:FRAMES" or "light:FRAMES", and the theta of what moves where another than 45 is wanted. */
+/* "view:FRAMES" or "light:FRAMES", and optionally ":THETA", the theta of the direction that moves (default 45). */
 static const char *parse_orbit(const char *text, void *value) {
     static const char expected[] =
         "view or light, then :FRAMES (1 to 100000) and, if need be, :THETA (above 0, at most 85)";
@@ -233,7 +233,7 @@ static bool is_between(void) {
     return options.between || options.pairs || options.orbit;
 }
 
-/* Options that do not go together. */
+/* Refuses options that exclude one another. */
 static btf_result check_between(const enc_context *context) {
     if ((options.between != 0) + (options.pairs != NULL) + (options.orbit != PAIRS_NO_ORBIT) > 1) {
         return enc_fail(context, BTF_ERROR_USAGE, "one of --between, --pairs and --orbit is enough");

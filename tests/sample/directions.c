@@ -40,7 +40,8 @@ static int by_theta_then_phi(const void *a, const void *b) {
     return p->phi < q->phi ? -1 : p->phi > q->phi;
 }
 
-/* Equal areas of the cap from the pole to 75 degrees, each turned by the golden angle from the one before. */
+/* Each direction stands for an equal area of the cap from the pole to 75 degrees, and is turned by the golden angle
+ * from the one before (H. Vogel, Mathematical Biosciences 44, 1979, here on the sphere). */
 static void make_spiral(int count, enc_direction *out) {
     const double lowest = cos(75 * PI / 180), golden = 180 * (3 - sqrt(5));
     for (int i = 0; i < count; ++i) {

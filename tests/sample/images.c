@@ -51,7 +51,7 @@ btf_result images_make_folder(const enc_context *context, const char *path) {
     return BTF_OK;
 }
 
-/* Least linear values that are coded as 1, 2 .. levels - 1 of sRGB (IEC 61966-2-1), round to nearest. */
+/* The least linear values whose sRGB codes (IEC 61966-2-1), rounded to nearest, are 1, 2 .. levels - 1. */
 static void make_thresholds(int levels, double *out) {
     for (int code = 1; code < levels; ++code) {
         double coded = (code - 0.5) / (levels - 1);
@@ -73,12 +73,12 @@ static int code_of(double x, const double *thresholds, int levels) {
     return low;
 }
 
-/* The images of one call: where they go, and how their values are coded. */
+/* The images of one call: their folder, and the coding of their values. */
 typedef struct writer {
     const images_job *to;
     int levels;         /* codes of the format: 256 or 65536 */
     double *thresholds; /* the least value of each code but 0 */
-    const sample_pair *pairs; /* of images_write_pairs: these, and whether their names begin with a number */
+    const sample_pair *pairs; /* those of images_write_pairs, and whether their names begin with a number */
     bool numbered;
 } writer;
 
@@ -143,7 +143,7 @@ static btf_result write_view(const writer *w, int view, float *images, void *cod
     return result;
 }
 
-/* Makes and writes one of many: images has room for so many values as write_each was asked for. */
+/* Renders and writes unit `index` of the work; `images` has room for the number of values that write_each was given. */
 typedef btf_result write_fn(const writer *w, int index, float *images, void *codes);
 
 /* Calls `write` for 0 .. count - 1 on all threads, up to the first that fails. Errors: those of `write`, BTF_ERROR_MEMORY,

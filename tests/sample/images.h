@@ -1,4 +1,4 @@
-/* The images of a scene, written as files: of a grid of views and lights, or of single pairs of them.
+/* Writes the images of a scene as files: of a grid of views and lights, or of single pairs of them.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -15,7 +15,7 @@ typedef enum images_format { IMAGES_PNG, IMAGES_PNG16, IMAGES_JPEG, IMAGES_EXR }
 typedef struct images_job {
     const enc_context *context; /* log, progress, threads */
     const sample_scene *scene;
-    const char *folder; /* where the images go; a path of at most PATH_MAX - 128 bytes */
+    const char *folder; /* the folder of the images; a path of at most PATH_MAX - 128 bytes */
     images_format format;
     int quality;         /* of JPEG */
     sample_camera camera;
@@ -25,7 +25,7 @@ typedef struct images_job {
 /* "png", "jpg" or "exr". */
 const char *images_extension(images_format format);
 
-/* Makes a folder and those that it lies in. Errors, on the log: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
+/* Makes a folder and its parents. Errors, on the log: BTF_ERROR_IO, BTF_ERROR_MEMORY. */
 btf_result images_make_folder(const enc_context *context, const char *path);
 
 /* Renders the scene's views under its lights, and writes the images in the layout of UBO2003:

@@ -1,4 +1,4 @@
-/* Seeded periodic noise: what reliefs and their colours are made of.
+/* Seeded periodic noise, from which reliefs and their colours are made.
  *
  * SPDX-License-Identifier: MIT
  */

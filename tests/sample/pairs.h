@@ -24,10 +24,10 @@ typedef enum pairs_orbit { PAIRS_NO_ORBIT, PAIRS_ORBIT_VIEW, PAIRS_ORBIT_LIGHT }
  * depend on the count. Errors: BTF_ERROR_MEMORY. */
 btf_result pairs_random(const enc_context *context, int count, uint32_t seed, sample_pair **out_pairs);
 
-/* A text file: a line a pair with theta and phi of the view, theta and phi of the light, degrees, between
- * blanks or commas; a name may stand before them, what follows # is left out, and so is a first line of
- * titles. So the table of an orbit is a list, too. Theta is 0..85. Errors, on the log with the line:
- * BTF_ERROR_IO, BTF_ERROR_BAD_FILE, BTF_ERROR_MEMORY. */
+/* Reads a text file. A line holds a pair: theta and phi of the view, theta and phi of the light, in degrees, separated
+ * by blanks or commas. A name may stand before them; # begins a comment; the first line may hold titles. The table of
+ * an orbit can thus be read as a list. Theta is 0..85. Errors, on the log with the line: BTF_ERROR_IO,
+ * BTF_ERROR_BAD_FILE, BTF_ERROR_MEMORY. */
 btf_result pairs_read(const enc_context *context, const char *path, sample_pair **out_pairs,
                       int *out_count);
 

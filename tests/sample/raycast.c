@@ -84,7 +84,7 @@ raycast_hit raycast_view(const relief *r, double x, double y, const double v[3])
         if (hit >= 0) {
             break;
         }
-        if (exit >= r->depth) { /* at the lowest height: the surface, within rounding */
+        if (exit >= r->depth) { /* at the lowest height, and so at the surface, within rounding */
             p = patch_at(r, i, j);
             hit = exit;
             break;
@@ -129,7 +129,7 @@ btf_result raycast_shadow_create(const relief *r, const double l[3], raycast_sha
     const double drift = minor / fabs(major), drop = l[2] / fabs(major) / n;
     const float *heights = along_x ? r->height_transposed : r->height;
     const int warm_up =
-        (int)ceil(r->depth / drop) + 1; /* beyond it nothing is high enough to cast a shadow here */
+        (int)ceil(r->depth / drop) + 1; /* the relief beyond these lines is too low to cast a shadow here */
     float *unrolled = malloc((2 * (size_t)n + 1) * sizeof *unrolled);
     float *shadow = malloc((2 * (size_t)n + 1) * sizeof *shadow);
     out_shadow->height = malloc((size_t)n * (size_t)n * sizeof *out_shadow->height);

@@ -66,7 +66,7 @@ static brick brick_at(uint32_t seed, double x, double y) {
     b.index = (int)floor(along);
     b.x = (along - b.index - 0.5) / BRICKS;
     b.y = y - (course + 0.5) / COURSES;
-    /* Edges wander a little, and so do the bricks' sizes. */
+    /* noise displaces the edges a little, and so the bricks differ in size */
     double wander = 0.004 * noise_fractal(seed + 11, x, y, 12, 12, 2);
     double half_x = 0.5 / BRICKS - JOINT + 0.006 * (noise_hash(seed, b.course, b.index, 3) - 0.5);
     double half_y = 0.5 / COURSES - JOINT + 0.006 * (noise_hash(seed, b.course, b.index, 4) - 0.5);

@@ -1,4 +1,4 @@
-/* Rendering of a relief: rays, shading, supersampling, and the truth that falls off on the way.
+/* Renders a relief: rays, shading, supersampling, and the truth about each texel.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,7 +20,7 @@ struct sample_scene {
     raycast_shadow *shadows; /* [light] */
 };
 
-/* A surface point with all that shading it needs. */
+/* A surface point with the data that shading it needs. */
 typedef struct shading_point {
     raycast_hit hit;
     relief_material material;
@@ -93,7 +93,7 @@ const sample_options *sample_scene_options(const sample_scene *scene) {
     return &scene->options;
 }
 
-/* Fills defaults and checks what the user can get wrong. */
+/* Fills in defaults and checks the user's options. */
 static btf_result check_options(sample_options *o) {
     if (o->width == 0) {
         o->width = 64;
@@ -303,7 +303,7 @@ btf_result sample_scene_view(const sample_scene *scene, int view, float *images,
     if (truth) {
         shadow = pole ? truth->top_shadow : truth->shadow + (size_t)view * o->n_lights * texels;
     }
-    /* Bands of rows, so that a light's shadow is read from cache for many points at a time. */
+    /* work in bands of rows, so that each light's shadow is in the cache for many points */
     const size_t row_points = (size_t)o->width * rays, band_points = 1 << 14;
     const int band = row_points < band_points ? (int)(band_points / row_points) : 1;
     shading_point *points = malloc((size_t)band * row_points * sizeof *points);

@@ -1,4 +1,4 @@
-/* Writes what is true of a sample as NumPy files.
+/* Writes the truth of a sample as NumPy files.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -151,7 +151,7 @@ void bits_fill(random_state *r, bits_desc *d) {
         const uint32_t layer = (uint32_t)(i / (4 * (size_t)t.width * t.height));
         if (info->colour == BTF_COLOUR_RGB && layer < colour_layers &&
             4 * layer + i % 4 >= 3 + 3 * info->lobes) {
-            continue; /* without a meaning, 0 */
+            continue; /* a number without a meaning has to stay 0 */
         }
         if (info->half_float) {
             ((uint16_t *)d->texture[BTF_TEXTURE_SBRDF])[i] =

@@ -33,12 +33,12 @@ void bits_end(bits_desc *d);
  * (halves: 2^-14, 65504, 1, their neighbours and 0). */
 void bits_fill(random_state *r, bits_desc *d);
 
-/* Decodes `count` random and extreme arguments by every combination of options; false when a value is no
- * number, infinite or negative, or when a second run gives other bits. */
+/* Decodes `count` random and extreme arguments by every combination of options; false when a value is NaN, infinite or
+ * negative, or when a second run gives other bits. */
 bool bits_decode(const btf_material *material, uint64_t seed, int count);
 
-/* Kinds of material that between them have every effect, layout, domain, store of the residual, blend and
- * kind of parameter. From BITS_FACTORS on the residual is factors of all classes, of codes at their bounds. */
+/* Kinds of material that together have every effect, layout, domain, store of the residual, blend and kind of
+ * parameter. From BITS_FACTORS on the residual is stored as factors of all classes, with codes at their bounds. */
 enum { BITS_FACTORS = 8, BITS_SPECS = 12 };
 synthetic_spec bits_spec(int index);
 

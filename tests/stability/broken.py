@@ -2,12 +2,12 @@
 """Deliberately broken builds: each must make a stability test fail.
 
     broken.py SOURCE_ROOT [NAME...]    all of them, or those of these names
-    broken.py SOURCE_ROOT --applies    only whether each can be put in: what the sources say is still there
+    broken.py SOURCE_ROOT --applies    only checks that each change still applies: that the text it replaces is there
 
-Copies the sources and builds there what the tests need. Then for each change of the list below: puts it in, builds the
-test that has to notice, runs it until it says that something fails, and puts sources and build back as they were, so that
-a change costs what depends on it, once. A change that no longer applies, does not build, or goes unnoticed is a failure.
-The long run of the tests runs it (table.py); names of changes as arguments run those alone.
+Copies the sources and builds in the copy what the tests need. Then, for each change of the list below, makes the change,
+builds the test that has to notice, runs it until a case fails, and restores sources and build, so that only what depends
+on a change is built anew, once. A change that no longer applies, does not build, or goes unnoticed is a failure. The long
+run of the tests runs all changes (table.py).
 
 SPDX-License-Identifier: MIT
 """
@@ -22,7 +22,8 @@ import sys
 import tempfile
 import threading
 
-# Without optimisation loops of the encoder take longer to run than -O2 takes to compile; results are the same bits at each.
+# Unoptimised, the encoder's loops take longer to run than -O2 takes to compile. Results have the same bits at every
+# level.
 OPTIONS = ['-Doptimization=1']
 LONGEST = 1800  # seconds of a test; a change may make it run for ever
 
@@ -415,7 +416,8 @@ class NotBuilt(Exception):
 
 
 def folder_of(test):
-    """The folder of the build that has a test's program: that of its source, but for two; None where there is none."""
+    """The folder of the build with a test's program: that of its source, with two exceptions; None where there is
+    none."""
     root = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     room, _, rest = test.partition('_')  # factor_match: of unit/factor/test_match.c
     sources = (glob.glob(f'{root}/*/**/test_{test}.c', recursive=True)
@@ -424,7 +426,7 @@ def folder_of(test):
 
 
 def program(tree, test):
-    """(what ninja has to build, the command) of a test."""
+    """Returns (what ninja has to build, the command) of a test."""
     tests = f'{tree}/tests'
     if test in ('stability_faults', 'stability_archives'):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
@@ -440,7 +442,7 @@ def program(tree, test):
     return [name], [f'{tree}/build/{name}']
 
 
-# A line of table.py's, or of cmocka's, of a case that failed.
+# A line about a failed case, as table.py or cmocka print it.
 FAILURE = re.compile(r'CASE \| (.*?) \|.*\| FAIL$|\[  FAILED  \] (?!tests: )(.*)$')
 
 
@@ -452,7 +454,7 @@ def build(tree, targets):
 
 
 def run_test(tree, test):
-    """(exit code, what it printed, its first case that failed, None if none did) of a test, ended at that case."""
+    """Runs a test until its first case fails. Returns (exit code, output, that case or None)."""
     ran = subprocess.Popen(program(tree, test)[1], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors='replace',
                            start_new_session=True,
                            env={**os.environ, 'BTF_SOURCE_ROOT': tree, 'BTF_BUILD_ROOT': f'{tree}/build'})
@@ -480,7 +482,7 @@ def read_test(ran, lines):
 
 
 class Tree:
-    """A copy of the sources, built; what is changed in it is put back from a second copy."""
+    """A copy of the sources, with a build. Changed files are restored from a second copy."""
 
     def __init__(self, source, folder, targets):
         self.path, self.kept = os.path.join(folder, 'openbtf'), os.path.join(folder, 'kept')
@@ -492,7 +494,7 @@ class Tree:
         shutil.copytree(self.path, self.kept, symlinks=True)
 
     def put_back(self):
-        """Times of files too: ninja then finds nothing to do."""
+        """Restores changed files with their times, so that ninja finds nothing to do."""
         for folder, folders, files in os.walk(self.path):
             kept = os.path.join(self.kept, os.path.relpath(folder, self.path))
             for name in files:
@@ -512,7 +514,7 @@ def changed(now, was):
 
 
 def check(tree, test, edits):
-    """(whether noticed, None where the machine cannot tell; what was seen)"""
+    """Returns (whether the test noticed, None where this machine cannot run it; what was seen)."""
     for path, old, new in edits:
         full = os.path.join(tree, path)
         with open(full, encoding='utf-8') as file:
@@ -535,7 +537,8 @@ def check(tree, test, edits):
 
 
 def applies(source):
-    """Prints the changes whose text the sources do not have exactly once, or whose test is not there; returns their number."""
+    """Prints the changes whose text does not occur exactly once in the sources, or whose test does not exist; returns
+    their number."""
     missing = 0
     for name, test, edits in CHANGES:
         if '/None/' in program('', test)[0][0]:
@@ -560,10 +563,10 @@ def main():
     failures, failing = 0, []
     print('TITLE | Deliberately broken builds: the test that notices, and its first case that fails.')
     with tempfile.TemporaryDirectory(prefix='btf-broken-') as folder:
-        os.environ['TMPDIR'] = folder  # for what tests leave that are ended
+        os.environ['TMPDIR'] = folder  # holds the scratch files that an ended test leaves
         tree = Tree(source, folder, sorted({target for test in tests for target in program('', test)[0]}))
         report('the build')
-        for test in tests:  # if one fails without a change, what it says of one is worth nothing
+        for test in tests:  # a test that fails without a change cannot show that it notices one
             if run_test(tree.path, test)[0] not in (0, 77):
                 failing.append(test)
             report(test)
@@ -583,7 +586,7 @@ def main():
 
 
 def report(name):
-    """To stderr, the core seconds since the last report."""
+    """Prints to stderr the core seconds since the last report."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     seconds = used.ru_utime + used.ru_stime
     print(f'{seconds - report.before:6.1f} core s: {name}', file=sys.stderr, flush=True)

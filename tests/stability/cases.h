@@ -1,4 +1,4 @@
-/* The lines that the stability tests print and tests/stability/README.md is made of (see table.py).
+/* Prints the lines of stability tests from which table.py makes tests/stability/README.md.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -10,8 +10,8 @@
 /* The subject of the program, one sentence: the heading's text in the table. */
 void cases_title(const char *title);
 
-/* One case: what goes in, what has to come out (both the same in every run, the input unique within the
- * program), whether it did, and in printf style what was seen. No '|' in any of them. */
+/* One case: the input, the expected outcome (both the same in every run; the input is unique within the program),
+ * whether it came, and in printf style what was seen. None of them may hold a '|'. */
 void cases_add(const char *input, const char *expected, bool passed, const char *seen_format, ...)
     __attribute__((format(printf, 4, 5)));
 

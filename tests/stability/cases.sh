@@ -9,7 +9,7 @@ sanitized() { nm -D "$(command -v btf-encode)" 2>/dev/null | grep -q __asan; }
 
 title() { echo "TITLE | $1"; }
 
-# verdict INPUT EXPECTED SEEN: the case passes when nothing was complained of since the last verdict.
+# verdict INPUT EXPECTED SEEN: the case passes when `complain` was not called since the last verdict.
 verdict() {
     local result=pass
     if [ "$broken" -gt 0 ]; then

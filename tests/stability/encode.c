@@ -46,7 +46,7 @@ static btf_result analyse(const enc_context *context, const enc_data *data, enco
     return enc_factors_solve(context, data, &settings, solution, &stats);
 }
 
-/* Fills decoded by the reference. */
+/* Fills e->decoded by the reference decoder. */
 static void decode(const enc_data *data, const btf_material *material, encoded *e) {
     btf_ref_material reference;
     const btf_ref_options options = {UINT32_MAX, UINT32_MAX, BTF_REF_NEAREST, BTF_REF_TEXEL};
@@ -69,7 +69,7 @@ static void decode(const enc_data *data, const btf_material *material, encoded *
     }
 }
 
-/* The same by enc_sample_decoder. */
+/* Compares with what enc_sample_decoder gives, and sets e->played. */
 static btf_result play(const enc_context *context, const enc_data *data, const enc_solution *solution,
                        encoded *e) {
     enc_sample_decoder *decoder = NULL;
@@ -83,7 +83,7 @@ static btf_result play(const enc_context *context, const enc_data *data, const e
     for (size_t i = 0; i < texels * enc_data_texel_stride(data); i++) {
         most = fmaxf(most, e->decoded[i]);
     }
-    const double least = fmax(1e-3, 1e-5 * (double)most); /* of what differences are compared with */
+    const double least = fmax(1e-3, 1e-5 * (double)most); /* the least value to which differences are relative */
     for (size_t v = 0; result == BTF_OK && v < (size_t)data->n_views; v++) {
         result = source.view(source.user, (int)v, images);
         for (size_t i = 0; result == BTF_OK && i < lights * texels * 3; i++) {

@@ -9,7 +9,7 @@
 
 #include "encoder/job/settings.h"
 
-/* The last is the paper's method without what flow finds. */
+/* The last is the paper's method without the effects that optical flow finds. */
 typedef enum encode_method {
     ENCODE_PAPER,
     ENCODE_PAPER_RGB,
@@ -27,38 +27,36 @@ typedef struct encoded {
     float *decoded; /* in the order of the data's samples, by the reference decoder at the sampled
                        directions */
     bool finite;    /* every decoded value is, and >= 0 */
-    double played;  /* largest difference between enc_sample_decoder and `decoded`, relative, but to no less
-                       than  1e-3  and 1e-5 of the largest */
+    double played;  /* largest relative difference between enc_sample_decoder and `decoded`; relative to the
+                       value, at least to 1e-3 and to 1e-5 of the largest value */
 } encoded;
 
-/* Options of the methods: small and quick. `brighter` scales what thresholds are absolute (1:
+/* Options of the methods for small and quick encodes. `brighter` scales the thresholds that are absolute (1:
  * defaults). */
 enc_paper_options encode_paper_options(encode_method method, float brighter);
 enc_factors_settings encode_joint_settings(const enc_data *data, enc_preset preset);
 
-/* Encodes, saves, opens again and decodes. The paper's methods with their fallback, as btf-encode runs
- * them. */
+/* Encodes, saves, opens again and decodes. The paper's methods run with their fallback, as in btf-encode. */
 encoded encode(const enc_data *data, encode_method method, int threads, float brighter);
 void encode_clear(encoded *e);
 
-/* Analyses `data` and plays the solution back: PSNR against `truth` (of the same shape), clipped to [0,
- * peak]. No file, so that directions may come in any order. The joint method runs at the preset medium, else at fast.
- * Exits on failure. */
+/* Analyses `data` and decodes the solution without a file, so that directions may be in any order. Returns the PSNR
+ * against `truth` (of the same shape), clipped to [0, peak]. The joint method runs at the preset medium, the others at
+ * fast. Exits on failure. */
 double encode_played_psnr(const enc_data *data, const enc_data *truth, encode_method method, float brighter,
                           float peak);
 
 /* PSNR of decoded values against the data, both clipped to [0, peak]. */
 double encode_psnr(const enc_data *data, const float *decoded, float peak);
 
-/* The same of the fallback of a method: of each texel the diffuse term alone that fits all of its samples
- * best in the domain of the method, least squares in linear radiance or in its square root; no lobe, no
- * shadow, no shift, no cluster. As a file holds them, albedos are 0 or 2^-24 to 2^24, and of the joint
- * method, which clips to 2^24, so are the samples. */
+/* The PSNR of a method's fallback: for each texel the diffuse term that best fits all of its samples in the domain of
+ * the method, by least squares in linear radiance or its square root; no lobe, no shadow, no shift, no cluster. Albedos
+ * are 0 or 2^-24 to 2^24, as in a file. For the joint method, which clips samples to 2^24, samples are clipped too. */
 double encode_psnr_of_diffuse(const enc_data *data, encode_method method, float peak);
 
-/* Whether that is at least what is promised: no worse than the fallback, less 0.01 dB, or than 80 dB, which
- * the paper's methods take for exact; of the joint method, whose codes end at 55 dB of the root, which
- * counts twice at 1, less 0.1 dB, or than 47 dB. */
+/* Whether a PSNR is as good as promised. The paper's methods: at least the lesser of the fallback's and of 80 dB, which
+ * counts as exact, less 0.01 dB. The joint method: at least the lesser of the fallback's and of 47 dB, less 0.1 dB,
+ * since its codes end at 55 dB in the square root, whose errors count twice in radiance near 1. */
 bool encode_keeps_promise(encode_method method, double psnr, double psnr_of_diffuse);
 extern const char encode_promise[];
 

@@ -1,4 +1,4 @@
-/* Small BTFs made of a formula, and what the stability tests measure on them.
+/* Small BTFs made from formulas, and measures that the stability tests share.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -27,8 +27,8 @@ hard_directions hard_twentyfive(void);
 typedef void (*hard_value_fn)(const void *user, int texel, const enc_direction *view,
                               const enc_direction *light, int sample, float out_rgb[3]);
 
-/* No light at all; one value (user: a float); noise from 0 up to a value (user: a float, NULL: 1); logarithms spread evenly
- * from 1e-8 to 1e6. */
+/* Black; one value (user: a float); noise from 0 up to a value (user: a float, NULL: 1); values from 1e-8 to 1e6 with
+ * evenly spread logarithms. */
 void hard_black(const void *user, int texel, const enc_direction *view, const enc_direction *light,
                 int sample, float out_rgb[3]);
 void hard_constant(const void *user, int texel, const enc_direction *view, const enc_direction *light,
@@ -45,8 +45,8 @@ enc_data *hard_create(int width, int height, const hard_directions *views, const
 /* A ray-cast relief (tests/sample), side x side texels, every sample times `scale`; exits on failure. */
 enc_data *hard_relief(int side, const hard_directions *views, const hard_directions *lights, float scale);
 
-/* A copy with samples moved: sample (texel, view, light) of the copy is that of the three numbers that
- * `from` changes them to. Directions are the same, or those that `views` and `lights` list. */
+/* A copy with samples in other places: for sample (texel, view, light) of the copy, `from` changes the three numbers to
+ * those of the original. Directions stay, or are those of `views` and `lights`. */
 enc_data *hard_moved(const enc_data *data, const enc_direction *views, const enc_direction *lights,
                      void (*from)(const void *user, int *texel, int *view, int *light), const void *user);
 

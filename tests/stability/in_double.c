@@ -1,5 +1,5 @@
-/* The functions that the stages in double call in place of those of floats, and their way in
- * (precision_double.h). Compiled like them: every float below is a double.
+/* The functions that the stages in double call in place of the functions of floats, and the entry points of these
+ * stages (precision_double.h). Compiled as they are: every float below is a double.
  *
  * SPDX-License-Identifier: MIT
  */

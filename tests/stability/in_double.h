@@ -1,7 +1,7 @@
-/* Makes stages of the encoder a second time with every float a double: the build puts this file before the
- * sources of the fit and the flow (-include). The data and the arguments of OpenCV stay floats, behind
- * the functions below; vectorised loops are written anew, plainly, in in_double.c. A source that comes to
- * use another function of floats needs it named here.
+/* Compiles stages of the encoder a second time with every float replaced by a double: the build includes this file
+ * before the sources of the fit and the flow (-include). The data and the arguments of OpenCV stay floats, behind the
+ * functions below; in_double.c has plain loops in place of the vectorised ones. When one of these sources begins to
+ * call another function of floats, it has to be named here.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -19,7 +19,7 @@
 #include <string.h>
 #include <time.h>
 
-/* Of floats, whoever includes them. */
+/* These headers are included first, so that their floats stay floats. */
 #include "encoder/lafortune/ceres_bridge.h"
 #include "encoder/data/data.h"
 #include "encoder/model/occlusion.h"
@@ -45,7 +45,8 @@ int double_cv_flow(enc_cv_flow *flow, int width, int height, const unsigned char
 #define enc_data_view double_view
 #define enc_cv_flow_compute double_cv_flow
 
-/* Other names for all that these sources, sbrdf.c and gram.c define: the float build has the plain ones. */
+/* Other names for all functions that these sources, sbrdf.c and gram.c define, since the float build has the plain
+ * names. */
 #define enc_fit double_fit
 #define enc_fit_options_default double_fit_options_default
 #define enc_fit_workspace_create double_fit_workspace_create

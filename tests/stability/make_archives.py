@@ -1,4 +1,4 @@
-"""Writes archives of a folder's images that are odd, broken or meant to harm: make_archives.py IMAGES OUT.
+"""Writes odd, broken and malicious archives of a folder's images: make_archives.py IMAGES OUT.
 
 SPDX-License-Identifier: MIT
 """
@@ -61,7 +61,7 @@ def declare(size):
 
 
 def bomb(path, name, mebibytes):
-    """A zip with one entry of so many MiB of zeros: one deflated block of 1 MiB, repeated."""
+    """A zip bomb: one entry of `mebibytes` MiB of zeros, made of one deflated block of 1 MiB, repeated."""
     deflate = zlib.compressobj(9, zlib.DEFLATED, -15)
     block = deflate.compress(bytes(1 << 20)) + deflate.flush(zlib.Z_FULL_FLUSH)
     stream = block * mebibytes + b'\3\0'

@@ -25,8 +25,7 @@ void precision_measured(const void *user, int texel, const enc_direction *v, con
     }
 }
 
-/* The sum over factors: the root of the sample, cosine included. Codes of w and of the views hold the
- * directions. */
+/* The root of a sample as the sum over factors, cosine included. */
 static double factors_root(const enc_solution *s, size_t source, int v, int c, int l) {
     static const double sign[3][3] = {{1, 1, 1}, {1, 0, -1}, {1, -2, 1}};
     const enc_factor_store *f = &s->factors;

@@ -1,4 +1,4 @@
-/* The float pipeline against the same stages in double precision: what the rows of test_precision share.
+/* The float pipeline against the same stages in double precision: helpers that the rows of test_precision share.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -41,7 +41,7 @@ typedef struct precision_scene {
 precision_scene precision_scene_make(int side);
 void precision_scene_clear(precision_scene *scene);
 
-/* No shifts, and two hidden points in five, anyhow, in every view but the top one. */
+/* No shifts, and two in five points hidden at random, in every view but the top one. */
 enc_occlusion *precision_occlusion(const enc_data *data);
 
 /* The rows of a stage. */

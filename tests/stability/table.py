@@ -38,7 +38,7 @@ COLUMNS = '| input | expected | seen |\n| --- | --- | --- |\n'
 
 
 def parse(text):
-    """(title, [(input, expected, seen, verdict)]) of a program's output."""
+    """Returns (title, [(input, expected, seen, verdict)]) of a program's output."""
     title, cases = '', []
     for line in text.splitlines():
         fields = [field.strip() for field in line.split(' | ')]
@@ -56,7 +56,7 @@ def parse(text):
 
 
 def sections():
-    """{program: its section's text} of README.md."""
+    """Returns {program: text of its section} of README.md."""
     found = {}
     if os.path.exists(README):
         with open(README, encoding='utf-8') as file:
@@ -125,7 +125,7 @@ def write(folder):
             sys.exit(f'table.py: {name} has failing cases')
         section, _, part = name.partition(' ')
         rows = [f'| {case[0]} | {case[1]} | {case[2]} |' for case in cases]
-        if part:  # those of other parts stay
+        if part:  # cases of other parts stay
             rows += [line for line in found.get(section, '').splitlines() if line.startswith('| ')
                      and not line.startswith((f'| {part}: ', '| input |', '| --- |'))]
             rows.sort()

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Archives that are odd, broken or meant to harm: what is read, what is refused, what it costs.
+# Odd, broken and malicious archives: which are read, which are refused, and at what cost.
 #
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/stability/cases.sh" || exit 99
@@ -7,10 +7,11 @@ title "Archives that are odd, broken or meant to harm. Nothing is ever extracted
 mkdir -p a/b/c && cd a/b/c || exit 99
 btf-sample -o data --relief bricks --size 8 --directions 0:1,40:6 --quiet || exit 99
 python3 "$BTF_SOURCE_ROOT/tests/stability/make_archives.py" data archives >sizes 2>/dev/null || exit 99
-quick="--method paper --starts 1 --lobes 1 --effects none -q" # reading is what is looked at
+quick="--method paper --starts 1 --lobes 1 --effects none -q" # a short encode: only reading is tested
 btf-encode data -o good.btf.exr $quick || exit 99
 
-# Memory that a process may take, in KiB: a bomb that is swallowed whole does not fit (sanitizers need their own).
+# Memory that a process may take, in KiB: a bomb that is unpacked whole does not fit (sanitizers need more of their
+# own).
 bound=2500000
 sanitized && bound=unlimited
 

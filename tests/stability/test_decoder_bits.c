@@ -1,5 +1,6 @@
-/* Every class of float bit pattern that a file can hold is refused with its place named, or decodes to
- * finite radiance; no argument gives anything else; addresses do not overflow in the largest textures.
+/* Every class of float bit pattern in a file is either refused, with a message that names its place, or decodes to
+ * finite radiance. No argument gives anything but finite radiance, and addresses do not overflow in the largest
+ * textures.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -106,7 +107,7 @@ static void file_scales(void) {
         const synthetic_spec s = bits_spec(list[n].spec);
         edit_file *file = saved_file(&s);
         edit_attribute *a = edit_find_attribute(file, list[n].name);
-        const bool many = list[n].number >= 0; /* of these 0 and negative ones are taken too */
+        const bool many = list[n].number >= 0; /* one number of several, which may be 0 or negative */
         float *value = many ? a->values + list[n].number : &a->f;
         int refused = 0;
         for (size_t k = 0; k < bit_class_count; k++) {
@@ -339,7 +340,7 @@ static void weights(void) {
 
 /* ---- the largest textures ---- */
 
-/* Zeros that take no memory until written to; NULL when the machine does not lend so many addresses. */
+/* Zeros that take no memory until they are written to; NULL when the machine does not give so many addresses. */
 static void *lend(size_t size) {
     void *p = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     return p == MAP_FAILED ? NULL : p;

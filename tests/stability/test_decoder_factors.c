@@ -1,5 +1,5 @@
-/* Factors at their limits: codes, scales, factors of views, cancellation, the horizon, and views blended as
- * roots. Each radiance is worked out beside the reference, by hand.
+/* Factors at their limits: codes, scales, factors of views, cancellation, the horizon, and views blended as roots. Each
+ * expected radiance is computed here, without the reference decoder.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -56,7 +56,8 @@ static void fill_words(const btf_material_desc *desc, btf_texture_id id, uint32_
 
 static const float pole[3] = {0, 0, 1};
 
-/* Decodes the desc in one place; false when it is no material, or a value no number, infinite or negative. */
+/* Decodes a material of the desc at one place; false when the desc is refused, or a value is NaN, infinite or
+ * negative. */
 static bool decode(const btf_material_desc *desc, int interpolation, const float light[3],
                    const float view[3], float rgb[3]) {
     btf_material *material = NULL;
@@ -94,7 +95,7 @@ static void codes_at_bounds(void) {
                 const bool positive = (way & 1) == way >> 1;
                 const double root = 4 * components[c] * products[c] * 0x1p-20;
                 const float square = (float)(root * root); /* exact in double, rounded once */
-                /* C1 adds to red and is taken from blue. */
+                /* C1 is added to red and subtracted from blue. */
                 const float want[3] = {positive ? square : 0, positive && !chroma ? square : 0,
                                        positive != (chroma > 0) ? square : 0};
                 ok = ok && memcmp(want, rgb, sizeof want) == 0;
@@ -108,7 +109,7 @@ static void codes_at_bounds(void) {
     }
 }
 
-/* Lights of the same codes: whatever their weights, the sum is the same. */
+/* Where all lights have the same codes, the sum does not depend on their weights. */
 static void lights_alike(void) {
     bool ok = true;
     int places = 0;
@@ -132,7 +133,7 @@ static void lights_alike(void) {
               places);
 }
 
-/* Scales at their limits, of every sign: values up to 2^80 and down to nothing. */
+/* Scales at their limits, of both signs: values up to 2^80 and down to 0. */
 static void scales_at_limits(void) {
     static const float limits[5] = {0x1p24f, -0x1p24f, 0x1p-24f, -0x1p-24f, 0};
     bool ok = true;
@@ -167,7 +168,7 @@ static void scales_at_limits(void) {
               "%d materials, at most %g", materials, (double)largest);
 }
 
-/* Two units that cancel out, of scales that differ by `step`. */
+/* Two units that cancel out, up to the difference of their scales. */
 static bool cancels(int c, float second, const float want) {
     btf_material_desc desc = make_desc(c, 2, 0, 1, 1);
     for (int k = 4; k < 8; k++) {
@@ -194,7 +195,7 @@ static void cancellation(void) {
               cancels(2, -0x1.fffffep-1f, 0x1p-22f) && cancels(2, -0x1.000002p0f, 0), "%g", 0x1p-22);
 }
 
-/* Factors of a view that are 0 leave nothing of a tier. */
+/* A view's factor of 0 removes its whole tier. */
 static void views_of_nothing(void) {
     bool ok = true;
     for (int i = 0; i < 2 * BTF_FACTOR_CLASSES; i++) {
@@ -246,7 +247,7 @@ static void horizon(void) {
     }
 }
 
-/* Roots of several views: what is negative in one counts against the others. */
+/* Roots of several views: a negative root of one view is subtracted from those of the others. */
 static void roots(void) {
     bool ok = true, found = false;
     for (int blend = 0; blend < 2; blend++) {

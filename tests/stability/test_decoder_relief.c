@@ -1,5 +1,5 @@
-/* Relief and gloss at their limits: grazing views, half vectors that vanish, lights that sink, marches that
- * meet nothing, the largest integers. With the reference decoder's own objects, whose names are hidden.
+/* Relief and gloss at their limits: grazing views, half vectors that vanish, look-ups that sink below the horizon,
+ * marches that meet nothing, the largest integers. Linked with the reference decoder's objects, whose names are hidden.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -47,7 +47,8 @@ static void grazing_slopes(void) {
               s[0] == 32767 && s[1] == -32767, "%d, %d", s[0], s[1]);
 }
 
-/* Relief of section 9 in integers of 64 bits, `>>` by division: what 32 bits have to give. */
+/* Relief of section 9 in 64-bit integers, with `>>` as a division that rounds down: the result that 32 bits have to
+ * give. */
 
 static int64_t down(int64_t value, uint32_t shift) {
     const int64_t by = (int64_t)1 << shift;
@@ -115,6 +116,8 @@ static void wide_relief(const btf_ref_material *m, const btf_ref_neighbours *vie
     }
 }
 
+/* The integers of relief fit 32 bits (FORMAT.md, section 9): random materials, half of them at the limits of base, step
+ * and level, must give what 64 bits give; so must moves between the extremes. */
 static void integer_limits(void) {
     static made_storage storage;
     static made_relief relief;
@@ -242,7 +245,7 @@ static void weights(void) {
     }
     cases_add("the bottom of a shaft: hidden in all three views, all at the least of visibility",
               "the weights that they have without relief, within 2", ok, "%u, %u, %u", w[0], w[1], w[2]);
-    for (int i = 0; i < WIDE * WIDE; i++) { /* a cliff: left of it, what the first view sees is low */
+    for (int i = 0; i < WIDE * WIDE; i++) { /* a cliff: the first view sees the low ground left of it */
         heights[i] = i % WIDE > 15 ? 255 : 0;
     }
     btf_ref_relief(&m, &views, pole, true, middle, x, w);

@@ -1,5 +1,5 @@
-/* Stochastic decode at its limits: random numbers at the borders of the weights, materials and arguments at
- * theirs, levels that are none. With the reference decoder's own objects, whose names are hidden.
+/* Stochastic decode at its limits: random numbers at the borders of the weights, materials and arguments at theirs,
+ * undefined levels. Linked with the reference decoder's objects, whose names are hidden.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -35,7 +35,7 @@ static btf_ref_neighbours around(const uint16_t *table, uint32_t grid, const flo
     return btf_ref_lookup(table, grid, q);
 }
 
-/* The neighbour whose share holds a number of 4096, by counting. */
+/* The neighbour whose share holds a number below 4096, found by counting. */
 static int owner(const btf_ref_neighbours *n, uint32_t number) {
     uint32_t next = 0;
     for (int i = 0; i < 3; i++) {
@@ -149,7 +149,7 @@ static void levels(void) {
     bool ok = true;
     uint32_t random = 7;
     btf_ref_material m[3];
-    for (int i = 0; i < 3; i++) { /* one that scales with its level */
+    for (int i = 0; i < 3; i++) { /* levels whose radiance is in proportion to their number */
         m[i] = make(1, 0);
         m[i].radiance_scale = 1 + (float)i;
     }

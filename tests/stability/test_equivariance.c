@@ -1,4 +1,4 @@
-/* Changes of the input that change the result in a known way: order of lights and views, axes, brightness.
+/* Changes of the input that must change the result in a known way: order of lights and views, axes, brightness.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -8,7 +8,7 @@ export OMP_NUM_THREADS=2
 sample() { btf-sample -o "$1" --relief "$2" --size 8 --directions 0:1,40:6 --quiet || exit 99; }
 sample data bricks
 sample other bumps
-# The paper's method as fast as it goes with all its stages.
+# Options with which the paper's method runs all of its stages as fast as possible.
 quick="--method paper --starts 1"
 sanitized && quick="$quick --lobes 1 --rounds 1"
 paper() { btf-encode "$1" -o "$2" $quick -q "${@:3}"; }
@@ -20,20 +20,21 @@ echo "not a material, but not to be lost either" >old
 most=1000 some=10
 sanitized && most=2 some=2
 
-# whole FILE GOOD: FILE is the old one or GOOD, to the byte.
+# whole FILE GOOD: complains unless FILE has the bytes of the old file or of GOOD.
 whole() { cmp -s "$1" old || cmp -s "$1" "$2" || complain "$1 is neither the old file nor a whole new one"; }
 
-# same_files FOLDER GOOD: every file of FOLDER but temporary ones is the same in GOOD.
+# same_files FOLDER GOOD: complains unless every file of FOLDER, temporary ones apart, is the same in GOOD.
 same_files() {
     local file
     while IFS= read -r file; do must cmp "$1/$file" "$2/$file"; done < <(find "$1" -type f -name '[!.]*' -printf '%P\n' 2>/dev/null)
 }
 
-encode() { # METHOD: what `at` and `calls` run
+encode() { # METHOD: the command that `at` and `calls` run
     if [ "$1" = paper ]; then echo btf-encode data -o x.btf.exr $quick; else echo btf-encode data -o x.btf.exr --preset fast; fi
 }
 
-# signalled METHOD SIGNAL CODES MOMENT: the output is the old one or whole, the code as documented; counts what died.
+# signalled METHOD SIGNAL CODES MOMENT: the output must be the old file or a whole new one, and the exit code one of
+# CODES; counts the runs that died.
 signalled() {
     cp old x.btf.exr
     try at "$4" "$2" $(encode "$1")
@@ -50,13 +51,13 @@ next_run() {
     must test "$(temporaries .)" = 0
 }
 
-# signals METHOD SIGNAL CODES: while images are opened, and at each call that changes a file.
+# signals METHOD SIGNAL CODES: sends the signal while images are opened, and at each call that changes a file.
 signals() {
     local died=0 tried=0 left n
     for n in $(moments $((some / 2)) "$(find data -name '*.png' | wc -l)"); do
         signalled "$1" "$2" "$3" "$n open data/"
     done
-    must test $died = $tried # nothing is written before all is read
+    must test $died = $tried # while images are read, no output is finished
     for n in $(moments $most "$(calls $(encode "$1"))"); do
         signalled "$1" "$2" "$3" "$n call"
     done
@@ -72,8 +73,8 @@ signals paper KILL 137
 signals joint INT 130
 signals joint KILL 137
 
-# at_stages METHOD SIGNAL CODE: the signal when the program has printed that a stage is done, before the next one begins.
-# (SIGKILL needs no such moments: what it leaves differs by the calls that change files alone.)
+# at_stages METHOD SIGNAL CODE: sends the signal when the program has printed that a stage is done, before the next
+# begins. (SIGKILL needs no such moments: the files that it leaves depend on the calls that change files alone.)
 at_stages() {
     local died=0 tried=0 stage
     $(encode "$1") 2>&1 >/dev/null | sed -n 's/: done after.*//p' >stages
@@ -81,7 +82,7 @@ at_stages() {
         signalled "$1" "$2" "$3" "1 print $stage: done after"
     done <stages
     must test $tried -gt 5
-    must test $died = $((tried - 1)) # once all is saved there is nothing to give up
+    must test $died = $((tried - 1)) # after the last stage everything is saved, and the run succeeds
     next_run "$1"
     verdict "$2 after each stage, $1" \
         "exit code $3, or 0 where nothing was left to do; the output old or whole; no temporary file after the next run" \
@@ -108,7 +109,7 @@ must cmp x.btf.exr old
 must test "$(temporaries .)" = 0
 verdict "a write that fails after 4 KiB of the output" "exit code 2, the old file kept, no temporary file" "$(message)"
 
-# the least that is taken: samples then lie in a scratch file
+# the least --memory that is accepted: samples then lie in a scratch file
 least=$(btf-encode data -o least.btf.exr $quick -q --memory 1 2>&1 | grep -o 'at least [0-9]*K' | grep -o '[0-9]*K')
 rm -f y.btf.exr
 TMPDIR=$PWD btf-encode data -o y.btf.exr $quick --memory "$least" >/dev/null 2>&-
@@ -201,7 +202,7 @@ while IFS= read -r moment; do
         must test -s err
     fi
 done < <(moments $some "$(find data -name '*.png' | wc -l)" | sed 's#$# open gone/#'; printf '1 print %s: done\n' read fit measure)
-must test "$lost $read" = "$some 3" # once all is read, the input is not missed
+must test "$lost $read" = "$some 3" # an input that vanishes after it was read does not matter
 verdict "the input removed while it is read, and afterwards" "exit code 2 or 3 with a message and no output, or, all being read, 0" \
     "$lost refused, $read read before"
 

@@ -1,4 +1,4 @@
-/* Noise of half an 8-bit step in the input: what it does to the result is no more than the noise itself.
+/* Noise of half an 8-bit step in the input changes the result by no more than the noise itself.
  *
  * SPDX-License-Identifier: MIT
  */

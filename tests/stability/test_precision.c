@@ -1,4 +1,4 @@
-/* The float pipeline against the same stages in double precision: what single precision costs, in dB.
+/* The float pipeline against the same stages in double precision: the loss by single precision in dB.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -182,6 +182,8 @@ static void fits(void) {
 
 /* ---- Gram sums ---- */
 
+/* The sums of Gram matrices that the fit is made of (paper 2.2): vectorised floats against doubles with libm's pow and
+ * log. The cost of the model is among them. */
 static void gram(void) {
     enum { N = 1024 };
     static _Alignas(64) float planes[7][N];
@@ -298,7 +300,7 @@ static void shadows(void) {
 
 /* ---- playback ---- */
 
-/* PSNR of enc_sample_decoder, and of the same codes in double. */
+/* Compares the PSNR of enc_sample_decoder with that of the same codes decoded in double. */
 static void playback(const char *what, const enc_data *data, const enc_solution *s, bool ok) {
     const size_t texels = enc_data_texel_count(data), lights = (size_t)data->n_lights;
     enc_sample_decoder *decoder = NULL;

@@ -77,7 +77,7 @@ static size_t nearest(const point *p, size_t k, const point *centres, double *ou
     return best;
 }
 
-/* Starts by k-means++, in double. */
+/* Start values by k-means++ (D. Arthur and S. Vassilvitskii, 2007), in double. */
 static void start(const view_points *p, size_t k, uint64_t seed, point *centres) {
     uint64_t state = seed;
     double weight[TEXELS];
@@ -100,7 +100,7 @@ static void start(const view_points *p, size_t k, uint64_t seed, point *centres)
     }
 }
 
-/* Lloyd's rounds, empty clusters at the farthest points. */
+/* Lloyd's rounds (S. Lloyd, 1982); an empty cluster moves to the farthest point. */
 static void k_means(const view_points *p, size_t k, uint64_t seed, point *centres) {
     size_t index[TEXELS], members[MOST_CENTRES];
     double squares[TEXELS];

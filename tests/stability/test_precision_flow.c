@@ -1,5 +1,5 @@
-/* The flow's own part, images, first estimate, consistency and votes, in float and in double around the
- * same optical flow: OpenCV's DIS has no double version.
+/* The encoder's part of the flow (images, first estimate, consistency and votes) in float and in double. The optical
+ * flow between them is the same, because OpenCV's DIS has no double version.
  *
  * SPDX-License-Identifier: MIT
  */

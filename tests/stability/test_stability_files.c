@@ -1,6 +1,6 @@
-/* Materials cut short, changed byte by byte, and taken apart and put together wrong. Nothing may crash;
- * what is refused is refused with one message; what opens decodes to finite values. With the argument
- * `long`, every byte takes every value.
+/* Files of materials cut short, changed byte by byte, and taken apart and put together wrongly. Nothing may crash; a
+ * refusal gives one message; a file that opens decodes to finite values. With the argument `long`, every byte takes
+ * every value.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -22,7 +22,7 @@ typedef struct saved {
     size_t size;
 } saved;
 
-/* With lists of so many points a texel, where that is not 0. */
+/* Saves a small material, with lists of `entries` points a texel unless that is 0. */
 static saved save_small(const char *name, btf_layout layout, uint32_t levels, uint32_t entries) {
     random_state r = {61};
     const uint32_t hidden = entries ? 0 : BTF_EFFECT_HIDDEN;
@@ -56,7 +56,7 @@ static saved save_small(const char *name, btf_layout layout, uint32_t levels, ui
 
 typedef enum outcome { REFUSED, OPENED, WRONG } outcome;
 
-/* Opens bytes in a buffer of just their size, and decodes what opens. */
+/* Opens bytes from a buffer of exactly their size, and decodes the material if they open. */
 static outcome open_bytes(const void *data, size_t size) {
     static const float directions[3][3] = {{0, 0, 1}, {0.6f, 0, 0.8f}, {-0.48f, 0.64f, 0.6f}};
     btf_material *material = NULL;
@@ -106,7 +106,8 @@ static void try_prefixes(const saved *s) {
     cases_add(input, "refused with one message", opened == 0, "%zu of %zu not", opened, s->size);
 }
 
-/* Every byte with each bit turned (a bit in turn in light runs), as 0 and as 255; or with all other values. */
+/* Every byte with each of its bits flipped (in light runs one bit, in turn), as 0 and as 255; with `all` as every other
+ * value. */
 static void try_bytes(const saved *s, bool all) {
     const bool light = !all && getenv("BTF_TEST_LIGHT");
     char input[120];
@@ -136,7 +137,7 @@ static void try_bytes(const saved *s, bool all) {
               "%zu refused, %zu opened, %zu otherwise", counts[REFUSED], counts[OPENED], counts[WRONG]);
 }
 
-/* Saves the edited file, and says what becomes of it. */
+/* Saves the edited file, and returns the outcome of opening it. */
 static outcome open_edited(edit_file *file) {
     void *data;
     size_t size;
@@ -190,6 +191,8 @@ static void add_refused(const char *what, const saved *s, const char *expected) 
     complaint[0] = 0;
 }
 
+/* Parts missing, repeated, renamed, resized, moved, or with other channels: each must be refused with the part's name.
+ * A rename keeps the length of the name, since it is made in the bytes. */
 static void try_parts(const saved *s) {
     edit_file *file = edit_load(s->data, s->size);
     const int count = file->part_count;
@@ -287,7 +290,7 @@ static void try_attributes(const saved *s) {
     for (int i = 0; i < count; i++) {
         file = edit_load(s->data, s->size);
         edit_remove_attribute(file, names[i]);
-        /* without openbtf.levels or a list of triangles, it is the rest that does not fit */
+        /* openbtf.levels and lists of triangles may be missing; then the rest of the file contradicts that */
         if (is_optional(names[i])) {
             edit_free(file);
         } else {

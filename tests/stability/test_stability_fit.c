@@ -1,5 +1,5 @@
-/* Hard data for the fit and the shadow test: whatever comes in, parameters that a file can hold come out,
- * which model the data no worse than the best diffuse surface does.
+/* Hard data for the fit and the shadow test: for any input the fit gives parameters that a file can hold, and models
+ * the data no worse than the best diffuse surface does.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -132,7 +132,7 @@ static enc_sbrdf *fit_thrice(const variant *v, const enc_data *data, const enc_f
     return kept;
 }
 
-/* A shadow map of the fit: codes exist for anything, and are the same with two threads. */
+/* Makes the shadow map of a fit: it has codes for any data, and the same with two threads. */
 static void check_shadow(const variant *v, const enc_data *data, const enc_sbrdf *sbrdf) {
     uint8_t codes[2][HARD_MAX_DIRECTIONS * TEXELS];
     enc_shadow_options options = enc_shadow_options_default();
@@ -164,8 +164,9 @@ static void check_shadow(const variant *v, const enc_data *data, const enc_sbrdf
     }
 }
 
-/* Fits by every variant, plain and with rejection, and reports. `least_db`: how far the plain fit has to be
- * below the diffuse one, in dB, over all texels and the linear-domain variants; 0 asks only for no worse. */
+/* Fits by every variant, plain and with rejection, and adds the case. `least_db`: by how many dB the plain fit must
+ * have less error than the diffuse one, over all texels and the variants of the linear domain; 0 requires only that it
+ * is no worse. */
 static void check_fit(const char *input, enc_data *data, double least_db) {
     complaint[0] = 0;
     double least = 1e9, largest = 0;
@@ -241,7 +242,7 @@ static void one_bright(const void *user, int texel, const enc_direction *v, cons
     }
 }
 
-/* Bright samples few and far between. */
+/* A few bright samples, far apart. */
 static void sparse(const void *user, int texel, const enc_direction *v, const enc_direction *l, int sample,
                    float rgb[3]) {
     (void)user, (void)v, (void)l;
@@ -354,8 +355,8 @@ static void few_samples(void) {
     fit_surface("two views, two lights: 4 samples, up to 31 unknowns", &two, s, 0);
 }
 
-/* Rejection of everything: the texel keeps the fit that it had. Seen from the pole, lights of one ring are
- * all alike to the model, so that it lies above every dark sample. */
+/* Where rejection would remove all samples, the texel keeps its fit. Seen from the pole, the model gives the same value
+ * for all lights of a ring, and so lies above every dark sample. */
 static void all_rejected(void) {
     const hard_directions pole = hard_rings(1, (const double[]){0}, (const int[]){1});
     const hard_directions ring = hard_rings(1, (const double[]){30}, (const int[]){60});

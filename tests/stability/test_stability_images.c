@@ -1,5 +1,5 @@
-/* Images as cameras and other programs write them: every kind is decoded or refused by name, and none is
- * taken that is not whole.
+/* Images as cameras and other programs write them: every kind is decoded, or refused by name, and an incomplete file is
+ * never accepted.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -205,7 +205,7 @@ static int difference(const enc_image *image, int channels, int depth, bool pale
     return worst;
 }
 
-/* Prefixes, each in a buffer of just its size, that are taken for an image. */
+/* Counts the prefixes that are accepted as an image, each from a buffer of exactly its size. */
 static int prefixes_taken(const bytes *b) {
     int taken = 0;
     for (size_t size = 0; size < b->size; size++) {

@@ -1,5 +1,5 @@
-/* Images at the ends of their formats, read and encoded: 8-bit codes with clipped highlights, the extremes
- * and denormals of half and float, values that are no radiance.
+/* Images with values at the limits of their formats, read and encoded: 8-bit codes with clipped highlights, the
+ * extremes and denormals of half and float, values that are no radiance.
  *
  * SPDX-License-Identifier: MIT
  */

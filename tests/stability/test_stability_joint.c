@@ -1,5 +1,5 @@
-/* Hard data through whole encodes, by both methods: a file that opens, decodes to finite values, is the
- * same for any number of threads, and no worse than what needs no method.
+/* Hard data through whole encodes by both methods: the file opens, decodes to finite values, is the same for any number
+ * of threads, and is no worse than a diffuse surface.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -16,7 +16,7 @@ static float random_of(int texel, int sample, int channel) {
     return hard_random((uint32_t)texel, (uint32_t)sample, (uint32_t)channel);
 }
 
-/* A plain surface with a highlight: what the outliers are added to. */
+/* A plain surface with a highlight, to which the outliers are added. */
 static float plain(int texel, const enc_direction *v, const enc_direction *l, int channel) {
     const float albedo = 0.2f + 0.5f * random_of(texel, 1, channel);
     const float base =
@@ -24,7 +24,7 @@ static float plain(int texel, const enc_direction *v, const enc_direction *l, in
     return l->xyz[2] * (albedo + 0.4f * powf(fmaxf(base, 0), 12));
 }
 
-/* user: value of the outliers, one sample in 97, or of 1e7, one in 1999. */
+/* user: value of the outliers, which are one sample in 97, or, where they are 1e7, one in 1999. */
 static void outliers(const void *user, int texel, const enc_direction *v, const enc_direction *l,
                      int sample, float rgb[3]) {
     for (int c = 0; c < 3; c++) {
@@ -118,6 +118,8 @@ static const hard_case list[] = {
     {"one sample", 1, 1, scaled, 1, FEW, 1},
 };
 
+/* One hard case by one method: encodes with one thread and with two, and adds the case. The joint method must also be
+ * as good as the texture whose every texel is the mean. */
 static void run(const hard_case *h, encode_method method) {
     const hard_directions many = hard_thirteen(),
                           one = hard_rings(1, (const double[]){0}, (const int[]){1});
@@ -177,7 +179,7 @@ static double surface_psnr(float scale) {
     return psnr;
 }
 
-/* Brightness is no property of the method. */
+/* The method's relative accuracy does not depend on brightness. */
 static void dim_is_as_good(void) {
     static const float scales[] = {0.3f, 1e-3f, 1e-5f};
     const double bright = surface_psnr(0.6f);

@@ -1,4 +1,4 @@
-/* Fitted nodes on hard lists of directions: weights that stay small and keep constants, or none.
+/* Fitted nodes on hard lists of directions: their weights stay small and reproduce constants, or there is no fit.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -35,7 +35,7 @@ static void look_at(const float *w, int n, outcome *out) {
     }
 }
 
-/* -1: an error that is no refusal. */
+/* Fits the list; returns -1 on an error other than a refusal. */
 static int try_list(const enc_direction *list, int n, outcome *out) {
     static float w[MOST * MOST];
     enc_node_fit *fit = NULL;
@@ -58,7 +58,7 @@ static int try_list(const enc_direction *list, int n, outcome *out) {
     return out->fits;
 }
 
-/* may_fit: a spline goes through; must_fit: it has to be found. */
+/* may_fit: a fit is allowed; must_fit: it has to be found. */
 static void check(const char *name, const enc_direction *list, int n, bool may_fit, bool must_fit) {
     outcome o;
     const int fits = try_list(list, n, &o);

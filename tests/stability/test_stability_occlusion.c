@@ -1,5 +1,5 @@
-/* Hard data for shifts, flow, the search for hidden points and their clusters: results stay in range, and
- * are no worse than no shift and one cluster.
+/* Hard data for shifts, flow, the search for the sources of hidden points, and their clusters: results stay in range,
+ * and are no worse than without shifts and with one cluster.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -145,7 +145,7 @@ static void flow_pairs(void) {
     }
 }
 
-/* user: a texture seen from every view alike. */
+/* user: a texture that looks the same from every view. */
 static void flat_waves(const void *user, int texel, const enc_direction *v, const enc_direction *l,
                        int sample, float rgb[3]) {
     const int *size = user;
@@ -334,7 +334,7 @@ static void refine(void) {
         ok = ok && memcmp(o[0]->hidden, o[1]->hidden, 13 * W * H) == 0 &&
              memcmp(o[0]->shift, o[1]->shift, 2 * 13 * W * H) == 0 && worse == 0;
         if (all[i].hide == hide_all || all[i].hide == hide_one_view) {
-            ok = ok && freed == 0; /* no visible point, no threshold */
+            ok = ok && freed == 0; /* without a visible point there is no threshold */
         }
         cases_add(told("search for hidden points: %s", all[i].input),
                   all[i].hide == hide_all || all[i].hide == hide_one_view
@@ -412,7 +412,7 @@ static void clusters(void) {
         hard_value_fn value;
         const float *scale;
         int k, expected_k;
-        bool exact; /* as many centres as different points: only codes are in the way */
+        bool exact; /* as many centres as different points: the only error is that of the codes */
     } all[] = {
         {"no hidden point, no centre asked for", hide_none, hard_noise, &one, 0, 0, false},
         {"no hidden point, 5 centres", hide_none, hard_noise, &one, 5, 0, false},

@@ -1,5 +1,4 @@
-/* Bonn's binary .btf files for the readers' tests, of every kind and form, from numbers that a function
- * gives.
+/* Writes Bonn's binary .btf files of every kind and form for the readers' tests, from numbers that functions give.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -47,9 +46,8 @@ typedef struct bonn_spec {
  * n directions for views and lights, k components a channel. Without its factors. */
 bonn_spec bonn_half_dfmf(int side, int n, const double (*directions)[2], unsigned k);
 
-/* Writes the file, or returns false. Sides that hold a channel's rows apart, and which do not, are as the
- * kind wants: a factor that the kind does not tell by channel (or view) is asked for with channel (or view)
- * 0. */
+/* Writes the file; returns false on failure. Where a kind has the same factor for all channels (or views), the function
+ * is called with channel (or view) 0. */
 bool bonn_write(const char *path, const bonn_spec *spec);
 
 /* 16-bit code of a number, rounded to nearest even. */

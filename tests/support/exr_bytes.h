@@ -1,5 +1,5 @@
-/* OpenEXR files written byte by byte: channels of any sampling, in layers and parts, with any attribute,
- * within what the format allows or beyond it. Anything unexpected ends the process.
+/* Writes OpenEXR files byte by byte: channels of any sampling, in layers and parts, with any attribute, as the format
+ * allows or forbids. An unexpected failure ends the process.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -26,7 +26,7 @@ typedef struct bytes_attribute {
 
 typedef struct bytes_part {
     const char *name; /* NULL in a file of one part */
-    bool deep;        /* says so; the pixels are as ever */
+    bool deep;        /* the header says so; the pixels are those of a flat part */
     int compression;  /* OpenEXR's number; the blocks are stored plain, as blocks that do not shrink are */
     int x, y, width, height;
     int display[4]; /* corner and size of the display window; all 0: the data window */
@@ -42,7 +42,7 @@ typedef struct bytes_part {
 /* The file of some parts; *out_size bytes, to be freed with free. */
 void *exr_bytes(const bytes_part *parts, int count, size_t *out_size);
 
-/* A part (one, within the format) compressed by OpenEXRCore, whose own packing is not used. */
+/* Writes one part that the format allows, compressed by OpenEXRCore; its packing of channels is replaced by ours. */
 void exr_bytes_compressed(const char *path, const bytes_part *part);
 
 #endif

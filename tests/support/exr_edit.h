@@ -1,5 +1,5 @@
-/* OpenEXR files taken apart, changed and put together again, for tests of what a reader refuses and
- * accepts. Anything unexpected ends the process.
+/* Takes OpenEXR files apart, changes them and puts them together again, for tests of what a reader refuses and accepts.
+ * An unexpected failure ends the process.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -54,7 +54,7 @@ void edit_save(const edit_file *file, void **out_data, size_t *out_size);
 void edit_free(edit_file *file);
 
 edit_attribute *edit_find_attribute(edit_file *file, const char *name);
-/* Gives an attribute of strings another one. */
+/* Sets a string attribute. */
 void edit_set_text(edit_file *file, const char *name, const char *text);
 void edit_remove_attribute(edit_file *file, const char *name);
 edit_part *edit_find_part(edit_file *file, const char *name);

@@ -22,7 +22,7 @@ void factor_material_pack_points(btf_material_desc *desc);
 /* The same in lists of so many entries. */
 void factor_material_list_points(btf_material_desc *desc, uint32_t entries);
 
-/* Stores of the residual and of points, and a blend, at random, with one to ten units of any class. */
+/* Chooses at random the stores of the residual and of points, and the blend, with one to ten units of any class. */
 void factor_material_choose(random_state *r, btf_material_desc *desc);
 
 /* random_material_fill, then, where the store is factors, codes, scales and factors of the views. */

@@ -1,4 +1,4 @@
-/* Image files for the readers' tests, made byte by byte or through features that our own writers never use.
+/* Image files for the readers' tests. See image_files.h.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* A small set of images, and what comes of reading it. See image_set.h.
+/* A small set of images, and checks of the result of reading it. See image_set.h.
  *
  * SPDX-License-Identifier: MIT
  */

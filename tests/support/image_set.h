@@ -1,4 +1,4 @@
-/* A small set of images in a folder of its own, for the tests of the reader, and what comes of reading it.
+/* A small set of images in a folder of its own, for the tests of the reader, and checks of the result of reading it.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -25,7 +25,7 @@ int set_make_folder(void **state);
 unsigned char set_code(int v, int l, int row, int column, int c);
 void set_make_codes(int v, int l, unsigned char codes[W * H * 3]);
 
-/* The name of an image in one of the customs, made anew for each call. */
+/* The name of an image by one of these naming schemes; valid until the next call. */
 typedef enum custom { UBO, UTIA, BONN, FOLDERS } custom;
 const char *set_name_of(custom naming, int v, int l, const char *extension);
 

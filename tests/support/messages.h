@@ -1,4 +1,4 @@
-/* A log that keeps what it hears, for tests of messages.
+/* A log that keeps its messages, for tests of messages.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,12 +9,12 @@
 
 void keep_message(void *user, btf_log_level level, const char *message);
 extern const btf_log log_keep; /* {keep_message, NULL} */
-/* The last message, all since forget_messages() (a line each: level, text), and how many of them say anything. */
+/* The last message; all since forget_messages(), a line each (level, text); and how many of them are not empty. */
 extern char last_message[2048], all_messages[8192];
 extern int message_count;
 void forget_messages(void);
 
-/* A text in printf style, until the next call: what a message must hold, or what a case was seen to do. */
+/* Formats a text in printf style, such as one that a message must hold; valid until the next call. */
 const char *told(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* A log that prints messages, for tests that expect none. */

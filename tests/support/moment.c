@@ -1,6 +1,6 @@
-/* Preloaded into a tool under test (LD_PRELOAD): sends a signal or runs a command when the tool makes its n-th call of a
- * kind, a moment that does not depend on time. A signal sent after so many seconds meets another stage on a busy machine;
- * the n-th call is the same call everywhere. Set in the environment:
+/* Preloaded into a tool under test (LD_PRELOAD): sends a signal or runs a command when the tool makes its n-th call of
+ * a kind. This moment does not depend on time: a signal sent after some seconds would meet another stage on a busy
+ * machine, while the n-th call is the same everywhere. Set in the environment:
  *
  *     BTF_MOMENT    "N KIND [TEXT]": the N-th of these of the process, from 1:
  *                     call     before it opens a file to write, writes, renames or removes one (not stdout or stderr)
@@ -36,7 +36,7 @@ static long wanted;
 static char kind[16], *text, *action, *calls_path;
 static atomic_long calls, met;
 
-/* The same name behind this library. */
+/* The function of the same name in the libraries after this one. */
 #define NEXT(name) ((__typeof__(&name))(uintptr_t)dlsym(RTLD_NEXT, #name))
 
 __attribute__((constructor)) static void read_moment(void) {
@@ -205,7 +205,7 @@ int rmdir(const char *path) {
     return NEXT(rmdir)(path);
 }
 
-/* A line of a tool is one call; longer ones are looked at in their first part. */
+/* A tool prints a line by one call. Of a longer one only the beginning is searched for TEXT. */
 int fprintf(FILE *stream, const char *format, ...) {
     char line[512];
     va_list arguments, again;

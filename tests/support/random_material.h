@@ -25,9 +25,9 @@ void random_directions(random_state *r, uint32_t count, double theta_max, float 
 void random_ubo2003(float out[81][3]);
 void random_ubo2014(float out[151][3]);
 
-/* Heights, steps, level and views of the effect relief, and a share for gloss, at random where desc has
- * those effects: one height everywhere now and then, and the bounds of the format. Keeps levels and
- * relief_level and relief_end within it. */
+/* Chooses heights, steps, level and views of the effect relief, and the share of gloss, at random where desc has those
+ * effects, now and then one height everywhere or the bounds of the format. Keeps levels, relief_level and relief_end
+ * legal. */
 void random_material_relief(random_state *r, btf_material_desc *desc);
 
 /* Fills desc->texture[] and, with info.levels, level_texture[] with values that the rest of desc->info

@@ -10,7 +10,7 @@
 #include <openbtf/material.h>
 #include <stdbool.h>
 
-/* Refusals are heard by log_keep; one without a word is a defect. */
+/* All functions below log to log_keep, and fail where a refusal gives no message. */
 
 /* Creating must succeed; where it does not, the refusal is printed. */
 btf_material *create_accepted(const btf_material_desc *desc);
@@ -18,7 +18,7 @@ btf_material *create_accepted(const btf_material_desc *desc);
 /* Creating must fail, with a log and without, with a message that holds `text`. */
 void create_refused(const btf_material_desc *desc, const char *text);
 
-/* The facts of an accepted material, and whether it has a texture at all. */
+/* The info of an accepted material; and whether it has a texture. */
 btf_material_info accepted_info(const btf_material *material);
 bool accepted_texture(const btf_material *material, btf_texture_id id);
 
@@ -41,7 +41,7 @@ btf_result open_edited(edit_file *file, btf_material **out_material);
 void refused_as(edit_file *file, btf_result code, const char *text);
 /* The same with BTF_ERROR_BAD_FILE. */
 void file_refused(edit_file *file, const char *text);
-/* The file must be refused after a change, which knows it as e. */
+/* The file must be refused after `change`, an expression in which it is `e`. */
 #define EDIT_REFUSED(file, change, text)                                                                   \
     do {                                                                                                   \
         edit_file *e = file;                                                                               \

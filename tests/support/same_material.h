@@ -1,4 +1,4 @@
-/* Materials that must be the same, and the way of one through a file.
+/* Checks that materials are the same, also after saving and opening.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -7,13 +7,15 @@
 
 #include <openbtf/material.h>
 
-/* Facts, textures of all levels, directions, preview and tables of errors are the same, bit for bit. */
+/* Info, textures of all levels, directions, preview and tables of errors must be the same, bit for bit. */
 void assert_same_material(const btf_material *a, const btf_material *b);
 
-/* The material from a file in memory: the same, and written again the same bytes. */
+/* Saves to memory and opens again: the material must be the same, and saving it once more must give the same bytes.
+ * Returns it. */
 btf_material *through_a_file(const btf_material *material);
 
-/* A material of the desc, before and behind a file, has the textures, directions and errors of levels of the desc. */
+/* A material made of the desc has the desc's textures, directions and errors of levels, also after saving and
+ * opening. */
 void round_trip(const btf_material_desc *desc);
 
 #endif

@@ -1,5 +1,5 @@
-/* Preloaded into a tool under test: a GPU with no memory left for folds. An array texture of RGBA32UI of more than two
- * layers that comes without texels, as a fold alone is made, is refused with GL_OUT_OF_MEMORY.
+/* Preloaded into a tool under test, this simulates a GPU without memory for folds: it refuses, with GL_OUT_OF_MEMORY,
+ * array textures of RGBA32UI of more than two layers that are made without texels. Only folds are made so.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -35,7 +35,7 @@ static uint32_t tell(void) {
     return was_refused ? GL_OUT_OF_MEMORY : next_get_error();
 }
 
-/* In place of a function of GL, ours; the others as they are. */
+/* Replaces the function of GL that this file fakes; the others stay. */
 static function put_between(function found, const char *name) {
     if (strcmp(name, "glTexImage3D") == 0) {
         next_make_image = (make_image)found;
@@ -48,7 +48,7 @@ static function put_between(function found, const char *name) {
     return found;
 }
 
-/* The same name behind this library. */
+/* The function of the same name in the libraries after this one. */
 #define NEXT(name) ((function(*)(const char *))(uintptr_t)dlsym(RTLD_NEXT, name))
 
 function OSMesaGetProcAddress(const char *name);

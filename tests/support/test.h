@@ -64,10 +64,10 @@ static inline void test_add(test_list *list, int line, struct CMUnitTest test) {
 #define TEST(name) TEST_IN(listed_tests, name, NULL, NULL)
 /* With functions that run before and after this test. */
 #define TEST_WITH(name, set_up, tear_down) TEST_IN(listed_tests, name, set_up, tear_down)
-/* Compares numbers of what the other tests call too: light runs leave it out. */
+/* A test that compares numbers of functions which other tests call too; light runs leave it out. */
 #define TEST_OF_NUMBERS(name) TEST_IN(listed_numbers, name, NULL, NULL)
 
-/* Whether what only repeats is repeated less, as under the sanitizers (tests/meson.build). */
+/* Whether tests are to repeat less, as under the sanitizers (tests/meson.build). */
 static inline bool light_run(void) {
     return getenv("BTF_TEST_LIGHT") != NULL;
 }

@@ -13,10 +13,10 @@ light=${BTF_TEST_LIGHT:-} # not empty: repeat less (tests/meson.build)
 starts="--starts 1${light:+ --lobes 1}" # for --method paper where the fit is not the subject
 side=16                     # texels of small_data
 [ -n "$light" ] && side=8
-# A relief of fewer cells than usual, which take longer to make than to encode what is seen of them.
+# Reliefs of fewer cells than the default, which take longer to make than the images take to encode.
 btf-sample() { command btf-sample --grid 256 "$@"; }
 
-# With BTF_TEST_COSTS, the core seconds so far stand before each line: the work between two lines took the difference.
+# With BTF_TEST_COSTS, each line begins with the core seconds so far: the work between two lines took the difference.
 report() { # NAME VERDICT [detail]
     if [ -n "${BTF_TEST_COSTS:-}" ]; then
         times >times
@@ -68,16 +68,17 @@ expect_that() {
 
 finish() { exit $((failures > 0)); }
 
-# unless_light COMMAND...: what shows the sanitizers nothing that its neighbours do not.
+# unless_light COMMAND...: runs a command that light runs leave out, since it shows the sanitizers nothing that its
+# neighbours do not.
 unless_light() { [ -n "$light" ] || "$@"; }
 
 # A data set of 7 views and 7 lights in $work/data, $side x $side.
 small_data() { btf-sample -o data --relief bricks --size $side --directions 0:1,40:6 --quiet "$@" || exit 99; }
 
-# The least --memory that btf-encode takes with these arguments: samples then lie in a scratch file.
+# The least --memory that btf-encode accepts with these arguments. With it samples lie in a scratch file.
 least_memory() { btf-encode "$@" -o least.btf.exr -q --memory 1 2>&1 | grep -o 'at least [0-9]*K' | grep -o '[0-9]*K'; }
 
-# at MOMENT ACTION COMMAND...: does something to the tool at a moment that is no matter of time (tests/support/moment.c):
+# at MOMENT ACTION COMMAND...: acts on the tool at a moment that does not depend on time (tests/support/moment.c).
 # ACTION is INT, TERM, KILL or a shell command; MOMENT is one of
 #     N call             before the N-th call that makes or changes a file: `calls` says how many there are
 #     N open TEXT        before the N-th file is opened whose path holds TEXT
@@ -89,16 +90,16 @@ at() {
     env "$preload" "BTF_MOMENT=$moment" "BTF_ACTION=$action" "$@"
 }
 preload=LD_PRELOAD=$build/tests/support/libmoment.so${LD_PRELOAD:+:$LD_PRELOAD}
-# A GPU that has no memory left for folds, of OSMesa and GLFW.
+# Simulates a GPU without memory for folds, for OSMesa and GLFW (tests/support/short_gpu.c).
 short_gpu=LD_PRELOAD=$build/tests/support/libshort_gpu.so${LD_PRELOAD:+:$LD_PRELOAD}
 export ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0 # its runtime is not the first library then
 
-# calls COMMAND...: how often it makes or changes a file.
+# calls COMMAND...: prints how many calls of the command make or change a file.
 calls() {
     rm -f calls
     env "$preload" BTF_CALLS=calls "$@" >/dev/null 2>&1
     cat calls
 }
 
-# moments N CALLS: N numbers from 1 to CALLS, the same distance apart; all of them where there are fewer.
+# moments N CALLS: prints N evenly spaced numbers from 1 to CALLS; all of them where there are fewer than N.
 moments() { awk -v n="$1" -v c="$2" 'BEGIN { n = n < c ? n : c; for (i = 0; i < n; i++) print 1 + int(i * (c - 1) / (n > 1 ? n - 1 : 1)) }'; }

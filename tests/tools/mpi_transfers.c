@@ -1,5 +1,5 @@
-/* Run by mpirun: what goes between ranks arrives, in one message or in pieces, also where some have nothing
- * to send.
+/* Run by mpirun: data sent between ranks arrive, in one message or in pieces, also where some ranks have nothing to
+ * send.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -10,7 +10,7 @@
 
 enum { MOST_RANKS = 16 };
 
-/* A number for every place. */
+/* The number that rank `from` sends to rank `to` at place i: different for all. */
 static float value(size_t from, size_t to, size_t i) {
     return (float)(1000 * from + 100 * to + i);
 }

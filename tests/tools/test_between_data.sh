@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Published figures between the samples of BRICKS64: skipped without ../shared. With --long of materials
+# The published accuracy between the samples of BRICKS64, skipped without ../shared. With --long also that of materials
 # that btf-encode makes of it.
 #
 # SPDX-License-Identifier: MIT
@@ -11,7 +11,7 @@ if [ ! -r "$data" ] || [ ! -r "$pairs" ]; then
     exit 77
 fi
 
-# figures NAME LINEAR SRGB: of the JSON in out, to the two decimals that are published.
+# figures NAME LINEAR SRGB: the PSNR in the JSON of `out` must be these, to the two decimals that are published.
 figures() {
     expect_that "$1: $2 / $3" python3 - "$2" "$3" <<'P'
 import json, sys
@@ -20,7 +20,7 @@ print("%.3f / %.3f" % (r["linear"], r["srgb"]))
 assert r["pairs"] == 200 and "%.2f" % r["linear"] == sys.argv[1] and "%.2f" % r["srgb"] == sys.argv[2]
 P
 }
-# at_least NAME LINEAR SRGB: of what the encoder makes, which later encoders may better.
+# at_least NAME LINEAR SRGB: the PSNR must be at least these, since later encoders may do better.
 at_least() {
     expect_that "$1: at least $2 / $3" python3 - "$2" "$3" <<'P'
 import json, sys
@@ -35,7 +35,8 @@ if [ "${1:-}" != --long ]; then
     expect "splines" 0 btf-compare "$data" "$pairs" --interpolation spline --no-ssim --json -q
     figures "thin-plate splines" 27.78 26.36
 else
-    # The preset that takes a tenth of the core time: its codes are coarser, relief, gloss and nodes are those of the default.
+    # The preset fast takes a tenth of the core time. Its codes are coarser; relief, gloss and nodes are those of the
+    # default.
     expect "encode" 0 btf-encode "$data" -o m.btf.exr --preset fast --relief auto --gloss auto -q
     expect "the material" 0 btf-compare m.btf.exr "$pairs" --no-ssim --json -q
     at_least "joint, fast" 27.9 26.6

@@ -1,10 +1,10 @@
 #!/bin/bash
-# btf-encode --checkpoint and --resume: killed at any moment, an encode that goes on gives the same bytes.
+# btf-encode --checkpoint and --resume: an encode that was killed at any moment and resumed gives the same bytes.
 #
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 small_data ${light:+--size 8}
-rings=0:1,30:6,60:8 # on which a map of heights is found; of fewer directions a height
+rings=0:1,30:6,60:8 # enough directions for a map of heights; with fewer a single height is found
 [ -n "$light" ] && rings=0:1,40:6
 btf-sample -o bumps --relief bumps --grid 1024 --size 16 --directions $rings --format exr --quiet || exit 99
 most=${light:+2} most=${most:-6}
@@ -38,7 +38,7 @@ for method in paper joint relief; do
 
     same=0 kept=0
     [ -n "$light" ] && last_step=2
-    for wanted in $(seq $last_step); do # steps that are there when it is killed
+    for wanted in $(seq $last_step); do # how many steps are kept when it is killed
         rm -rf steps cut.btf.exr
         at "$wanted rename .btf-step" KILL btf-encode $how -o cut.btf.exr -q --checkpoint steps >/dev/null 2>&1
         ls steps/*.btf-step >/dev/null 2>&1 && [ ! -e cut.btf.exr ] && kept=$((kept + 1))
@@ -49,7 +49,7 @@ for method in paper joint relief; do
     expect_that "$method: steps were kept each time ($kept of $last_step)" test $kept = $last_step
 done
 
-# Relief is the first step: it is taken from there, not found again.
+# Relief is the first step: a resumed encode reads it and does not search again.
 killed() { # the encode of bumps, killed once relief is kept
     rm -rf steps cut.btf.exr
     cp -r relief_kept steps

@@ -4,7 +4,7 @@
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 small_data --truth truth
-last=4 # level of detail
+last=4 # the coarsest level of detail
 [ $side = 8 ] && last=3
 btf-encode data -o m.btf.exr --method paper $starts -q || exit 99
 
@@ -29,7 +29,7 @@ expect_that "by its content" test "$(head -c 4 top.Exr | od -A n -t x1 | tr -d "
 expect "one direction without an ending" 1 btf-decode m.btf.exr -o image --view 0,0
 expect_text "is asked for one" "'image' ends neither in .png nor in .exr" err
 
-# Content decides what is opened, the ending what is written.
+# A file's content decides how it is opened; the ending of a name decides which format is written.
 cp m.btf.exr M.BTF.EXR
 cp m.btf.exr mat.btf
 (cd data && python3 -m zipfile -c ../data.txt ./*)
@@ -50,13 +50,13 @@ for tool in btf-info btf-decode btf-encode btf-compare btf-sample btf-conform bt
     expect_that "$tool --help tells exit codes once" test "$(grep -ci '^ *exit codes' out)" = 1
 done
 
-# Names may hold what a terminal would obey; tools print it as text.
+# Names may hold control sequences of terminals, which tools print as text.
 cp -r data $'da\e[31mta'
 btf-encode $'da\e[31mta' -o $'m\e[31m.btf.exr' --method paper -q --effects none
 expect "info of strange names" 0 btf-info $'m\e[31m.btf.exr'
 expect_that "has no control characters" python3 -c 'assert "\x1b" not in open("out").read() and "da\\x1b[31mta" in open("out").read()'
 
-# Directions that lie on no rings do not make a line of thousands of characters.
+# Directions that do not lie on rings do not give a line of thousands of characters.
 expect_that "scattered directions" python3 - <<'P'
 import os, random, shutil, glob
 random.seed(3)

@@ -1,5 +1,5 @@
 #!/bin/bash
-# btf-encode and btf-compare: options and what they do.
+# btf-encode and btf-compare: the effect of every option.
 #
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99

@@ -89,7 +89,7 @@ if command -v vulkan >/dev/null && command -v glslangValidator >/dev/null; then
         expect "vulkan: run" 0 env VK_ICD_FILENAMES="$lavapipe" vulkan $m.btf.exr decode.spv
         expect_text "vulkan: no bit differs" '^0 of 16384 differ' out
     done
-    # a wrong shader is found out
+    # a wrong shader is noticed
     sed 's/radiance\[c\]/radiance[c] * 1.0000001/' decode.comp >wrong.comp
     glslangValidator -V wrong.comp -o wrong.spv >/dev/null
     [ -z "$lavapipe" ] || expect "vulkan: a wrong bit is found" 7 env VK_ICD_FILENAMES="$lavapipe" vulkan c.btf.exr wrong.spv

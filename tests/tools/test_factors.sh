@@ -1,10 +1,10 @@
 #!/bin/bash
-# btf-encode --method joint: what it writes, what it measures, and what it refuses.
+# btf-encode --method joint: its files, its reports and its refusals.
 #
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
 small_data
-levels=3 # that are decoded and compared
+levels=3 # levels that are decoded and compared
 [ $side = 8 ] && levels=2
 json() { python3 -c "import json,sys; r=json.load(open('$1')); print($2)"; }
 
@@ -124,7 +124,7 @@ for level in $(seq $levels); do
     unless_light expect_that "and not worse than level 0" test "$(json levels.json "r['levels'][$level]['linear'] > r['levels'][0]['linear'] - 1")" = True
 done
 
-# The weak components of such data have scales below what files hold, were they not balanced.
+# Without balancing, the weak components of such data would have scales below the least that files hold.
 "$build/tests/tools/bonn_sample" small.btf || exit 99
 expect "a Bonn file" 0 btf-encode small.btf -o bonn.btf.exr --report bonn.json -q
 expect_that "is encoded well" test "$(json bonn.json "r['psnr']['full']['linear'] > 40")" = True
@@ -138,7 +138,7 @@ expect_that "and nothing is written" test ! -e steps
 expect "the residual by name" 0 btf-encode data -o named.btf.exr --effects residual --effect-tolerance 0.05 -q
 expect_that "is the same" cmp named.btf.exr factors.btf.exr
 
-# Grey images with noise and nothing else; numbers alone, for the sanitizers.
+# Grey images of pure noise. Light runs leave this out, since it only compares numbers.
 if [ -z "$light" ]; then
     btf-sample -o plane --relief white --size 24 --directions small --quiet || exit 99
     python3 - <<'P' || exit 99

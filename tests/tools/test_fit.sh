@@ -1,5 +1,5 @@
 #!/bin/bash
-# btf-encode --fit: values at views and lights for directions between them, or the samples themselves.
+# btf-encode --fit: whether values at views and lights are fitted for directions between them, or are the samples.
 #
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
@@ -33,7 +33,8 @@ candidates = fitted[0]["fit"]["candidates"]
 assert candidates[0]["kappa_views"] is None and len(candidates) > 3
 for c in candidates[1:]:  # stronger fits cost more at the samples
     assert c["at_srgb"] < 100 and c["left_out_srgb"] > 10, c
-# both places are told for both choices: what was not taken is expected, within 2 dB at the samples and 4 dB between
+# both reports state errors at and between the samples for both choices; those of the choice not taken are predictions,
+# right within 2 dB at the samples and 4 dB between
 for mine, other in ((fitted, samples), (samples, fitted)):
     fit, place = mine[0]["fit"], other[0]["fit"]["chosen"]
     assert fit["best"] == fitted[0]["fit"]["chosen"] and samples[0]["fit"]["chosen"] == 0, fit
@@ -62,7 +63,7 @@ expect_that "in its report" test "$(grep -c '"fit": {' paper.json)" = 0
 expect "or fits them when asked" 0 btf-encode data -o paper.btf.exr -q --method paper --starts 1 --fit between
 expect_text "and says so" "fit-kappa" <(btf-info paper.btf.exr --json)
 
-# Lists that no spline goes through keep their blend, and the encode goes on.
+# For lists of directions through which no spline goes, the encode uses the samples.
 for directions in 0:1 0:1,40:1 0:1,30:1,60:1; do
     btf-sample -o few --relief bumps --size 4 --directions $directions --quiet || exit 99
     expect "directions $directions" 0 btf-encode few -o few.btf.exr -q --preset fast

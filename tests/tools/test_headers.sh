@@ -6,8 +6,8 @@
 root=$BTF_SOURCE_ROOT
 flags="-Wall -Wextra -pedantic -Werror -fsyntax-only -I$root/decoder/include -I$root/reference/include -I$root/encoder/library/include"
 
-# each_header COMPILER LANGUAGE STANDARD: every header, included twice and alone, with a use of each of its constants: a
-# macro that nobody uses is never looked at.
+# each_header COMPILER LANGUAGE STANDARD: compiles every header alone, included twice, with a use of each of its
+# constants, since compilers do not check a macro that is not used.
 each_header() {
     local header
     for header in "$root"/{decoder,reference,encoder/library}/include/openbtf/*.h; do
@@ -31,14 +31,14 @@ for compiler in gcc clang; do
     done
 done
 
-# A decimal constant is the power of two that it stands for.
+# Decimal constants equal the powers of two that they stand for.
 exact() {
     printf '#include <openbtf/material.h>\nstatic_assert(BTF_GAIN_SCALE == 0x1p-7f, "");\n' |
         g++ -x c++ -std=c++17 -I"$root/decoder/include" -fsyntax-only -
 }
 expect_that 'BTF_GAIN_SCALE is 2^-7' exact
 
-# The header's first name.
+# The name that the reference's header had first.
 old_name() {
     printf '#include <btf_reference.h>\nint mono = BTF_REF_MONO;\n' |
         gcc -x c -std=c11 -fsyntax-only -I"$root/reference/include" -I"$root/reference/compat" -

@@ -1,13 +1,13 @@
 #!/bin/bash
-# An installation, as other people's programs see it: moved to another folder, its tools start, nothing but the
-# documented files is there, and the documents' programs build against it with cc, c++, CMake and as a meson subproject.
+# Installs OpenBTF, moves the installation to another folder and uses it as other people's programs do: its tools start,
+# it has the documented files and no other, and the documents' programs build against it with cc, c++, CMake and meson.
 #
 # SPDX-License-Identifier: MIT
 . "$(dirname "$0")/common.sh"
 root=$BTF_SOURCE_ROOT
-unset LD_LIBRARY_PATH # with which meson lets programs find the libraries of the build folder
+unset LD_LIBRARY_PATH # meson sets it so that programs find the libraries of the build folder
 
-# Into a folder of its own, then moved: to one with a blank in its name.
+# Installed to one folder, then moved to another, with a blank in its name.
 prefix=$work/moved\ here
 stage() {
     DESTDIR=$work/stage meson install -C "$build" --no-rebuild || return 1
@@ -16,7 +16,7 @@ stage() {
 expect_that 'install' stage
 [ -d "$prefix" ] || finish
 libdir=$(dirname "$(find "$prefix" -name libopenbtf.so)")
-export PKG_CONFIG_LIBDIR=$libdir/pkgconfig # and nobody else's: OpenEXR.pc above all
+export PKG_CONFIG_LIBDIR=$libdir/pkgconfig # hides all other .pc files, OpenEXR's above all
 unset PKG_CONFIG_PATH
 
 # ---- the files
@@ -27,7 +27,7 @@ unset PKG_CONFIG_PATH
     printf 'include/openbtf/%s.h\n' compat/btf_reference cost evaluate fold gl input material plan reference \
         result sampling shader
     printf 'LIB/%s\n' libopenbtf{,_input,_reference}.so{,.0.2,.0.2.0} pkgconfig/openbtf{,-input,-reference}.pc
-    printf 'PYTHON/openbtf/%s\n' __init__.py _library.py data.py material.py py.typed
+    printf 'PYTHON/openbtf/%s\n' __init__.py _library.py _options.py _plan.py data.py material.py py.typed
     printf 'share/cmake/openbtf/%s\n' openbtfConfig{,Version}.cmake
     printf 'share/openbtf/bake/%s\n' README.md bake_{checks,directions,exr,scene,settings}.py btf_bake.py openbtf_bake.zip \
         scenes/{SCENES.md,gravel.py,knit.py,scales.py,tile.py}
@@ -38,7 +38,7 @@ unset PKG_CONFIG_PATH
 [ -x "$prefix/bin/btf-view" ] || sed -i '/btf-view/d' documented # built where GLFW is
 expect_that 'the documented files, and no other' diff documented files
 
-# References to files in what is installed: they are there.
+# All files that installed files refer to exist.
 complete() {
     local wrong=0 name
     if grep -n '^ *#include' "$prefix"/share/openbtf/*.glsl; then
@@ -59,7 +59,7 @@ complete() {
 }
 expect_that 'what installed files refer to' complete
 
-# A variant asks for the values that its first comment names, and no others.
+# A variant of the GLSL needs the values that its first comment names, and no others.
 variant() {
     {
         echo '#version 450 core'
@@ -80,7 +80,7 @@ else
     echo 'no glslangValidator: the shaders are not compiled'
 fi
 
-# Nothing but the public functions.
+# A library exports its public functions and nothing else.
 exports() { nm -D --defined-only "$libdir/$1" | awk '{ print $3 }' | grep -vE "^$2" && return 1 || return 0; }
 expect_that 'libopenbtf exports btf_*' exports libopenbtf.so 'btf_[a-z]'
 expect_that 'libopenbtf_reference exports btf_ref_*' exports libopenbtf_reference.so 'btf_ref_[a-z]'
@@ -106,7 +106,7 @@ fi
 # ---- the tools, with a bare environment, from another folder
 
 bare() { (cd / && env -i HOME="$work" PATH=/usr/bin:/bin "$@"); }
-of_prefix() { # no library of the build folder; scripts have none
+of_prefix() { # the tool loads no library from the build folder; scripts load none
     [ "$(head -c 2 "$1")" = '#!' ] && return 0
     ldd "$1" >libraries || return 1
     ! grep -E 'libopenbtf' libraries | grep -vF "$prefix"
@@ -158,7 +158,7 @@ expect_that "README.md's functions" build_with 'cc -std=c99 -c' first_screen.c f
 expect_that 'c++' build_with 'c++ -std=c++11' program.cc with_cpp openbtf
 prints_shader c++ ./with_cpp "LD_LIBRARY_PATH=$libdir"
 
-# The reference alone, under its name and its first one; no other header of OpenBTF is found without its folder.
+# The reference alone, by its present and its first header name; no other header of OpenBTF is found without its folder.
 printf '#include <openbtf/reference.h>\nint main(void) { return !btf_ref_self_test(); }\n' >reference.c
 printf '#include <btf_reference.h>\nint main(void) { return !btf_ref_self_test(); }\n' >first_name.c
 printf '#include <openbtf/input.h>\nint main(void) { return btf_input_open(0, 0, 0, 0) != BTF_ERROR_USAGE; }\n' >input.c
@@ -171,7 +171,7 @@ for name in reference first_name; do
 done
 expect 'material.h is not on the path' 1 eval "cc -fsyntax-only material.c $(flags openbtf-reference)"
 
-# cmake_project FOLDER PREFIX: with a user's C and C++ program.
+# cmake_project FOLDER PREFIX: makes a CMake project with a C and a C++ program.
 cmake_project() {
     mkdir -p "$1" && cp program.c program.cc reference.c "$1" || return 1
     cat >"$1/CMakeLists.txt" <<'TEXT'
@@ -199,7 +199,8 @@ else
     echo 'no cmake: its checks are left out'
 fi
 
-# meson_project FOLDER [option...]: OpenBTF as a subproject; needs OpenEXR's pkg-config file, as every build of it does.
+# meson_project FOLDER [option...]: makes a project with OpenBTF as a subproject, which needs OpenEXR's pkg-config file
+# as every build of OpenBTF does.
 meson_project() {
     local folder=$1
     shift
@@ -215,7 +216,7 @@ TEXT
     env -u PKG_CONFIG_LIBDIR meson setup "$folder/build" "$folder" --wrap-mode=forcefallback "$@" &&
         ninja -C "$folder/build"
 }
-# Nothing is built but the two libraries.
+# A subproject builds the two libraries and nothing else.
 libraries_alone() {
     meson introspect --targets "$1/build" | python3 -c 'import json, sys
 names = sorted(target["name"] for target in json.load(sys.stdin))
@@ -230,7 +231,7 @@ for kind in shared static; do
 done
 expect_that 'subproject: the libraries alone' libraries_alone sub-static
 
-# ---- static libraries, installed to a prefix that is configured, in folders of other names; then uninstalled
+# ---- static libraries, installed to the configured prefix in folders of other names; then uninstalled
 
 static_install() {
     env -u PKG_CONFIG_LIBDIR meson setup static "$root" --prefix "$work/p" --libdir lib64/btf --includedir headers \

@@ -1,7 +1,8 @@
 #!/bin/bash
-# btf-encode --checkpoint killed at random calls that change files, 20 by each method: what goes on from there gives the same bytes.
+# btf-encode --checkpoint, killed 20 times for each method, at random calls that change files, and resumed each time: it
+# gives the same bytes.
 #
-#   test_kills.sh [COUNT [SEED]]     SEED: of the calls; drawn and printed where it is not given
+#   test_kills.sh [COUNT [SEED]]     SEED: selects the calls; drawn and printed where it is not given
 #
 # SPDX-License-Identifier: MIT
 count=${1:-20} seed=${2:-$RANDOM}
@@ -18,7 +19,7 @@ for method in joint paper; do
         rm -rf steps cut.btf.exr
         at "$((1 + RANDOM % span)) call" KILL btf-encode data -o cut.btf.exr --method $method -q --checkpoint steps >/dev/null 2>&1
         [ ! -e cut.btf.exr ] && cut=$((cut + 1))
-        if [ ! -e cut.btf.exr ] || [ -e steps ]; then # or killed while it tidied up
+        if [ ! -e cut.btf.exr ] || [ -e steps ]; then # not finished, or killed while it removed the steps
             btf-encode data -o cut.btf.exr --method $method -q --checkpoint steps --resume
         fi
         cmp -s whole.btf.exr cut.btf.exr && same=$((same + 1))

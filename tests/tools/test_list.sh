@@ -37,7 +37,7 @@ printf '\xff\xfeo\0n\0e\0' >sets/wide.txt
 expect "a list in UTF-16" 5 encode sets/wide.txt -o made
 expect_text "it is named" "wide.txt: the text is UTF-16: save it as UTF-8" err
 
-# One table for all inputs of a list, whose images it names with their folders.
+# One table of names for all inputs of a list; it names images with their folders.
 mkdir plain
 number=0
 for name in one three; do

@@ -1,5 +1,5 @@
 #!/bin/bash
-# mpirun -n N btf-encode: the bytes of one process, and what happens when a rank fails, dies, or is asked to stop.
+# mpirun -n N btf-encode: gives the bytes of one process; and the outcome when a rank fails, dies, or is told to stop.
 # Argument: "yes" where btf-encode was built with MPI.
 #
 # SPDX-License-Identifier: MIT
@@ -21,8 +21,8 @@ export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_btl_vader_single_copy_mechan
 mkdir tmp
 export TMPDIR=$work/tmp
 
-# Under the sanitizers: OpenMPI's own leaks are known by true stacks alone (tests/lsan.supp), which double the time where
-# they are whole: its libraries are among the first six frames.
+# Under the sanitizers: OpenMPI's own leaks are suppressed by the names in their stacks (tests/lsan.supp). These need
+# the slow unwinder, and whole stacks would double the time; OpenMPI's libraries are among the first six frames.
 ranks() { ASAN_OPTIONS=${ASAN_OPTIONS:-}:fast_unwind_on_malloc=0:malloc_context_size=6 mpirun "$@"; }
 on_ranks() { # N ARGUMENT...: btf-encode on N ranks of one thread
     local n=$1
@@ -30,10 +30,10 @@ on_ranks() { # N ARGUMENT...: btf-encode on N ranks of one thread
     ranks -n "$n" btf-encode "$@" --threads 1
 }
 nothing_left() { [ ! -e "$1" ] && [ -z "$(find . -name '.*.tmp' -o -name 'btf-scratch-*')" ]; }
-# Where the job was done before the signal came, a whole file is right.
+# No half-written file is left. A whole one is right if the job ended before the signal came.
 nothing_half() { if [ -e "$1" ]; then cmp whole.btf.exr "$1" && rm "$1"; fi && nothing_left "$1"; }
 
-# The numbers of ranks to try: all, or the last of them.
+# The numbers of ranks to try: all, or the last one in light runs.
 numbers() { [ -n "$light" ] && echo "${1##* }" || echo "$1"; }
 
 for n in $(numbers "2 3 5"); do
@@ -42,11 +42,11 @@ done
 
 small_data ${light:+--size 8 --directions 0:1,40:4}
 more_ranks=9
-[ -n "$light" ] && more_ranks=6 # than the views of the data
+[ -n "$light" ] && more_ranks=6 # still more than the data have views
 python3 -c 'import shutil; shutil.make_archive("data", "zip", "data")'
 bonn_sample small.btf || exit 99
 
-# The bytes of one process. An option is given to both, so that it cannot tell them apart.
+# N ranks give the bytes of one process. Both get the same options, which the file records.
 same() { # NAME RANKS ARGUMENT...
     local name=$1 ranks=$2 n
     shift 2
@@ -78,7 +78,7 @@ same "paper, archive, levels" 2 data.zip --method paper $starts --levels 2
 same "paper, Bonn" 2 small.btf --method paper $starts
 expect_that "no scratch file stays" nothing_left none
 
-# The report knows of the ranks; the tables come once.
+# The report states the ranks; tables are printed once.
 expect "a report" 0 on_ranks 2 data -o r.btf.exr --method paper $starts --report r.json
 expect_that "its numbers" python3 -c '
 import json
@@ -89,7 +89,7 @@ assert b["fit"]["received"] > 1000 and sum(v["meetings"] for v in b.values()) > 
 assert b["read"]["meetings"] >= 1 and b["measure"]["received"] > 0, b'
 expect_that "one table" test "$(grep -c 'Table 2' out)" = 1
 
-# A list, each input by all ranks; a bad one does not stop the rest.
+# All ranks encode each input of a list together; a bad input does not stop the others.
 printf 'data\nnowhere\nsmall.btf\n' >list.txt
 expect "a list with a bad input" 2 on_ranks 2 list.txt -o many -q --preset fast
 btf-encode data -o one.btf.exr -q --preset fast
@@ -121,8 +121,8 @@ expect "a folder that the ranks do not share" 2 \
 expect_text "the advice" "rank 1: scratch file: .*set TMPDIR to a folder that all nodes share" err
 expect_that "nothing is written then" nothing_left x.btf.exr
 
-# Killed: with SIGKILL one of the ranks, with SIGTERM all. Rank 0 has it done once it has kept a step: it is a child of
-# mpirun, and so is rank 1.
+# Kills one rank by SIGKILL, or all by SIGTERM. Rank 0 runs the kill once it has kept a step; it is a child of mpirun,
+# and so is rank 1.
 kept=(data --method paper $starts -o x.btf.exr -q --checkpoint steps)
 cat >kill_ranks <<'S'
 mpirun=$(awk '/^PPid/ { print $2 }' /proc/$PPID/status)

@@ -1,5 +1,5 @@
 #!/bin/bash
-# btf-encode --relief and --gloss: what acts between the samples, found, refused and left out.
+# btf-encode --relief and --gloss: when they are found, refused and left out.
 #
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99

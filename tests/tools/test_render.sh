@@ -41,13 +41,14 @@ levels=5
 if [ -n "$light" ]; then
     meshes="sphere seat.obj" sets=all levels=4
     has_softpipe=$(grep -o softpipe <<<"$devices")
-    devices=${devices% softpipe*} # ours is the same in the others
+    devices=${devices% softpipe*} # the driver's devices would show the sanitizers only the same code of ours
 fi
 for mesh in $meshes; do
     for effects in $sets; do
         render -o r.png --device reference --mesh $mesh --effects $effects --view 35,-70 --cast-shadows
         for device in $devices; do
-            # A mesh makes other samples, a set of effects another shader: every two meet on osmesa, and each of them every device.
+            # A mesh changes the samples, a set of effects the shader. All pairs of these are rendered on osmesa; on
+            # other devices each mesh and each set occurs once.
             [ $device = softpipe ] && [ $effects != all ] && continue
             case $device in
             egl*) [ $effects = all ] || [ $mesh = sphere ] || continue ;;
@@ -65,7 +66,7 @@ for made in "1 tight 1 roots" "2 paper 1 radiance"; do
         v2 -o r.png --device reference
         for device in $devices; do
             [ $device = softpipe ] && [ -n "$way" ] && continue # minutes
-            # Every way of both materials on osmesa; the others decode every way once, and both materials.
+            # osmesa renders both materials with all options; other devices render each option once, and both materials.
             case "$device $made" in
             egl\ 1* | egl-es300\ 2*) [ -n "${way##--components*}" ] || continue ;;
             egl\ 2* | egl-es300\ 1*) [ -z "${way##--components*}" ] || continue ;;
@@ -182,7 +183,7 @@ expect_text "gives so many lights" ' 16 lights' out
 render -o e2.png --environment sky.exr --environment-lights 16 --environment-rotate 30 --environment-gain 2
 same "the reference's picture under a map" e.png e2.png
 
-# Directions drawn of the map and the material: the same on every device, also with picks and with a plan.
+# Directions drawn by map and material: the same picture on every device, also with picks and with a plan.
 sampled() { render -o "$@" --environment sky.exr --light environment --mesh torus --cast-shadows; }
 expect "a map that is sampled" 0 sampled r.png --device reference --spp 6 --stats
 expect_text "says how" '^environment: 6 directions a sample' out
@@ -276,7 +277,7 @@ expect_that "no picture is left of a failure" test ! -e x.png
 expect "no display" 5 env -u DISPLAY -u WAYLAND_DISPLAY btf-render m.btf.exr -o x.png --device glfw
 expect_text "is told" 'device glfw' err
 
-# A light that is the same in every pixel, and the view, decoded once: the same picture.
+# A light, or light and view, that are the same in every pixel are decoded once (folded) and give the same picture.
 btf-encode data -o still.btf.exr --preset fast --gloss off --relief off --levels 2 -q || exit 99
 still() { btf-render still.btf.exr --size 40 --quiet --mesh plane --light 20,100 "$@"; }
 for way in "--view 30,50 --repeat 9" "--view 30,50 --filter bilinear --interpolation nearest" "--fov 0 --view 20,0" \
@@ -305,7 +306,7 @@ expect_that "and nothing else" test "$(wc -l <err)" = 1
 expect_text "and folds nothing" '^folded: nothing' out
 same "and shows the same picture" r.png f.png
 
-# An SBRDF and gloss depend on the view: they are folded where it is still, too.
+# An SBRDF and gloss depend on the view: they are folded only where the view is still as well.
 btf-encode data -o glossy.btf.exr --preset fast --gloss 1 -q || exit 99
 for file in m glossy; do
     view_dependent() { btf-render $file.btf.exr --size 40 --quiet --mesh plane --light 20,100 "$@"; }
@@ -319,7 +320,7 @@ for file in m glossy; do
         same "$file, $device: the same picture" r.png f.png
     done
 done
-# Several lights that are the same in every pixel, as their sum: the same bits on every device.
+# Several lights that are the same in every pixel are folded into their sum: the same bits on every device.
 many() { btf-render still.btf.exr --size 40 --quiet --mesh plane --fov 0 --view 20,0 "$@"; }
 for way in "--light 20,100 --light 50,0 --light 70,-120" "--environment sky.exr --environment-lights 16" \
     "--light 20,100 --light 50,0 --plan auto --tolerance 3"; do
@@ -337,7 +338,8 @@ for way in "--light 20,100" "--light 20,100 --light 50,0 --cast-shadows" "--ligh
 done
 expect "a fold that is none" 1 render -o x.png --fold often
 
-# Plans: what is decoded of less is the same picture; tolerance 0 leaves out nothing that shows.
+# Plans: a restriction gives the same picture as its plan on the whole material; tolerance 0 leaves out nothing that
+# shows.
 for way in "--mesh plane --view 10,20 --light 15,40" "--mesh sphere" "--mesh plane --view 0,0 --animate view --frames 2"; do
     render -o whole.png --device reference $way
     expect "planned: $way" 0 render -o planned.png --device reference $way --plan auto --tolerance 0 --stats
@@ -352,8 +354,8 @@ done
 render -o r.png --device reference --mesh plane --plan auto --tolerance 30
 render -o g.png --device osmesa --mesh plane --plan auto --tolerance 30
 same "planned with less: the reference's picture" r.png g.png
-# Values that are the same in every pixel are folded into the shader; the reference looks them up. The same pictures.
-# --fold never, since the reference makes no textures of folds, and a plan that may count on them can be another one.
+# Directions that are the same in every pixel become constants of the shader, where the reference looks them up: the
+# same pictures. --fold never, since the reference makes no fold textures, and a plan that may count on them can differ.
 folds() { # NAME, WHAT THE PLAN SAYS (none: nothing), OPTIONS
     local name=$1 fixed=$2
     shift 2
@@ -386,7 +388,7 @@ for turn in view light; do
     done
 done
 render -o g.png --device osmesa --fov 0 $turn --stats >out
-unless_light expect_text "lights that turn are not folded, the view is" 'level 0, fixed view$' out # of fewer data each frame has a plan
+unless_light expect_text "lights that turn are not folded, the view is" 'level 0, fixed view$' out # small data: each frame has a plan
 expect "no plan for figure 13" 1 btf-render m.btf.exr -o x.png --figure13 --original data --plan auto
 costs=$BTF_SOURCE_ROOT/tests/fuzz/corpus/costs
 expect "a plan by prices of a device" 0 render -o x.png --device reference --plan auto --costs "$costs/llvmpipe.json"

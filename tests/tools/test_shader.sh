@@ -1,5 +1,5 @@
 #!/bin/bash
-# btf-shader's options, exit codes and files; tests/conformance/shader runs what it writes on devices.
+# btf-shader's options, exit codes and files; tests/conformance/shader runs its shaders on devices.
 #
 # SPDX-License-Identifier: MIT
 . "$BTF_SOURCE_ROOT/tests/tools/common.sh" || exit 99
@@ -67,11 +67,12 @@ rm -rf stopped
 expect 'interrupted' 130 at '3 call' INT btf-shader "$file" -l glsl330 -o stopped -q
 expect_that 'nothing is left' test -z "$(find . -name '*stopped*')"
 
-# A run with the process id of the dead one, as the first program of a container has it: the rule is the lock alone.
-left_over() { # FOLDER: as a run killed while it filled it leaves it
+# A run with the same process id as a dead one, as happens in containers: only the lock tells whether a folder is in
+# use.
+left_over() { # FOLDER: makes the folder that a run killed while writing leaves
     mkdir "$1" && echo half >"$1/decode.glsl" && echo half >"$1/.manifest.json.1-0.tmp"
 }
-left_over .dead.1-0.tmp # of process 1, which lives
+left_over .dead.1-0.tmp # named after process 1, which runs
 left_over .dead.1-0.tmpx
 left_over .dead.1.tmp
 mkdir .dead.2-0.tmp && echo mine >.dead.2-0.tmp/notes.txt
@@ -91,8 +92,9 @@ expect_that 'the locked folder stays' test -s .alive.1-0.tmp/decode.glsl -a -s .
 exec 9<&-
 expect 'once its run is dead' 0 btf-shader "$file" -l glsl330 --force -o alive -q
 expect_that 'it is removed' test -z "$(find . -name '.alive*')"
-# The name that a run is going to take is taken: $BASHPID is the process id of what exec starts.
-taken() { # OUT: with a locked folder of its own process id in its way
+# The name of the temporary folder that a run will choose exists already: $BASHPID is the process id of the program that
+# exec starts.
+taken() { # OUT: runs with a locked folder of its own process id in its way
     local locked=.$1.$BASHPID-0.tmp
     left_over "$locked" && exec 8<"$locked" && flock -n 8 && echo "$locked" >locked &&
         exec btf-shader "$file" -l glsl330 -o "$1" -q
@@ -100,7 +102,7 @@ taken() { # OUT: with a locked folder of its own process id in its way
 expect 'its own name is taken' 0 eval '(taken taken)'
 expect_that 'is whole' diff -r taken again
 expect_that 'and has not touched the other' test -s "$(cat locked)/decode.glsl"
-cat >held.sh <<'S' # whether flock refuses the temporary folder of `held`, and another run leaves it
+cat >held.sh <<'S' # tests whether flock refuses the temporary folder of `held`, and another run leaves it alone
 for folder in .held.*.tmp; do
     ! flock -n "$folder" true && btf-shader "$file" -l glsl330 -o held --force -q && test -d "$folder" && touch was-held
 done
@@ -177,7 +179,7 @@ assert "zero" not in manifest("fast")["shader"]
 web = manifest("web")
 with open("web/decode.wgsl") as file:
     text = file.read()
-for t in web["textures"]: # every texture is declared where the manifest says, as is the zero
+for t in web["textures"]: # each texture, and the run-time zero, is declared at the binding that the manifest states
     assert any(f'@group({t["set"]}) @binding({t["binding"]}) var {t["sampler"]}:' in line for line in text.splitlines()), t["name"]
 zero = web["shader"]["zero"]
 assert f'@group({zero["set"]}) @binding({zero["binding"]}) var<uniform> {zero["uniform"]}: u32' in text, zero

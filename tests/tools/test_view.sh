@@ -52,8 +52,8 @@ expect "prices that are cut off" 3 btf-view m.btf.exr --plan auto --costs "$BTF_
 expect "a plan that is none" 1 btf-view m.btf.exr --plan all
 expect "a wrong size" 1 btf-view --size 1x1
 
-# until_it COMMAND...: waits until it succeeds. Nothing is decided by how long that takes: the limit of minutes is there
-# for a viewer that hangs.
+# until_it COMMAND...: waits until the command succeeds. No result depends on how long that takes: the limit of minutes
+# only ends a viewer that hangs.
 until_it() {
     for i in $(seq 3000); do
         "$@" && return
@@ -61,7 +61,7 @@ until_it() {
     done
 }
 
-# A display of our own.
+# A virtual display.
 Xvfb -displayfd 3 -screen 0 800x600x24 3>display 2>xvfb.log &
 xvfb=$!
 trap 'kill $viewer $xvfb 2>/dev/null; rm -rf "$work"' EXIT
@@ -73,8 +73,8 @@ unset WAYLAND_DISPLAY
 expect "no OpenGL 3.3" 5 env MESA_GL_VERSION_OVERRIDE=2.1 btf-view m.btf.exr
 expect_text "is told" 'no OpenGL 3.3' err
 
-with=() # what the viewer has in its environment
-told=   # what it says on stderr before the first picture of `rests`
+with=() # variables in the viewer's environment
+told=   # a text that the viewer must print on stderr before the first picture of `rests`
 start() { # OPTIONS...: in the background, until the window is ready
     : >log
     env "${with[@]}" btf-view "$@" --size 320x240 --verbose --quiet --screenshots shot >log 2>view.err &
@@ -83,7 +83,7 @@ start() { # OPTIONS...: in the background, until the window is ready
     window=$(xdotool search --sync --name '^btf-view$' | head -1)
     xdotool windowfocus --sync "$window"
 }
-# said NAME LINE: the line comes
+# said NAME LINE: waits for the line in the log
 is_said() { tail -n +$((seen + 1)) log | grep -Eq -- "$1"; }
 said() {
     until_it is_said "$2"
@@ -195,7 +195,7 @@ shoot reset
 press i '^panel off'
 press c '^measured: [0-9.]+ ms a frame'
 press a '^animation on'
-has_moved() { # a picture a call, until one differs
+has_moved() { # takes a picture at each call; succeeds once one differs
     shoot moved >moves && ! cmp -s start.png moved.png
 }
 until_it has_moved
@@ -259,9 +259,9 @@ xdotool key q
 wait $viewer
 expect_that "Q quits with 0" test $? = 0
 
-# A plan, then one with the light folded in, then the light moves, then the camera leaves the plan's range, then
-# what is seen again: whatever runs, the pictures are those of the viewer that decodes everything.
-# logged NAME N LINE: N such lines come
+# The viewer makes a plan, then folds the light, then the light moves, then the camera leaves the plan's range and comes
+# back: all the time the pictures are those of a viewer that decodes everything.
+# logged NAME N LINE: waits until the log has N such lines
 has_logged() { [ "$(grep -Ec -- "$2" log)" -ge "$1" ]; }
 logged() {
     until_it has_logged "$2" "$3"
@@ -303,8 +303,8 @@ for i in 0 1 2 3; do
     unless_light expect_that "planned within 0 dB: picture $i is the same" cmp whole-$i.png planned-$i.png
 done
 
-# A light that rests on a flat model is folded into a texture, with a plan and without: the picture of a model that is
-# flat but for a speck that no pixel shows, where nothing can be folded.
+# A resting light on a flat model is folded into a texture, with a plan and without. The picture must be that of a model
+# with a speck that no pixel shows and that is not flat, so that nothing can be folded.
 btf-encode data -o still.btf.exr --preset fast --gloss off --relief off -q || exit 99
 cat >quad.obj <<'O'
 v -1 -1 0
@@ -329,7 +329,7 @@ rests() { # NAME, PATTERN OF WHAT IS FOLDED (none: nothing), OPTIONS: pictures N
     start still.btf.exr "$@"
     press i '^panel off'
     [ "$line" = none ] || logged "$name: the light rests" 1 "$line"
-    [ -z "$told" ] || until_it grep -q "$told" view.err # else the picture comes before the light rests
+    [ -z "$told" ] || until_it grep -q "$told" view.err # otherwise the picture could come before the light rests
     shoot $name-0
     drag 3 '^light [1-9]'
     [ "$line" = none ] || logged "$name: the light moved, and rests again" 2 "$line"
@@ -344,7 +344,7 @@ if [ -z "$light" ]; then
 fi
 rests folded '^the light rests: folded into [0-9]+ bytes' --mesh quad.obj
 rests plan '^plan .*light folded into a texture.*fold [0-9.]+' --mesh quad.obj --plan auto --tolerance 0
-if [ -z "$light" ]; then # test_render.sh shows the sanitizers a refusal
+if [ -z "$light" ]; then # under the sanitizers test_render.sh has such a refusal
     with=("$short_gpu") told=refuses
     rests refused none --mesh quad.obj --plan auto --tolerance 0
     with=() told=

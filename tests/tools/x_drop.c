@@ -1,5 +1,5 @@
 /* Drops a file onto a window as a file manager does (the XDND protocol, version 5): x_drop WINDOW PATH.
- * Exit code 0 when the window took it, 1 when it did not answer within five seconds.
+ * Exit code 0 when the window took it, 1 when it did not answer within five minutes.
  *
  * SPDX-License-Identifier: MIT
  */

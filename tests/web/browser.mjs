@@ -1,6 +1,7 @@
-/* Starts a browser, headless, on a page that a server here gives it, and hands on what the page posts.
+/* Starts a headless browser on a page that this script serves, and passes on what the page posts.
  *
- * A page has failed, too, where the browser prints an error for it: of a script, of WebGL, of a file that it asked for and did not get.
+ * A page has also failed where the browser prints an error about it: of a script, of WebGL, of a file that it asked for
+ * and did not get.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -12,12 +13,12 @@ import { tmpdir } from 'node:os';
 import { extname, join, normalize } from 'node:path';
 
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.json': 'application/json', '.wasm': 'application/wasm' };
-/* A page may reach its own server alone, and compile WebAssembly. Of scripts that stand in a page, import maps may, and all that an
- * example has. */
+/* The content security policy: a page may reach its own server alone, and compile WebAssembly. Of inline scripts only
+ * import maps run, and those of examples. */
 const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; connect-src 'self'; img-src 'self' data:; frame-src 'self'";
 const EXAMPLE_POLICY = POLICY.replace("'wasm-unsafe-eval'", "'wasm-unsafe-eval' 'unsafe-inline'");
 
-/* No first-run pages, no services of the browsers' makers; WebGL2 by software. */
+/* Settings without first-run pages and services of the browsers' makers; WebGL2 in software. */
 const FIREFOX = {
     'webgl.force-enabled': true, 'browser.shell.checkDefaultBrowser': false, 'browser.startup.homepage_override.mstone': 'ignore',
     'datareporting.policy.dataSubmissionEnabled': false, 'toolkit.telemetry.enabled': false, 'app.normandy.enabled': false,
@@ -35,10 +36,10 @@ const CONSOLE = {
     firefox: /^(console\.(?:error|assert)|JavaScript error): (.*)$/gm,
 };
 
-/** WebGPU by software: Chromium's on SwiftShader, Firefox's on lavapipe. */
+/** Settings for WebGPU in software: Chromium's on SwiftShader, Firefox's on lavapipe. */
 export const WEBGPU = {
     chromium: ['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader'],
-    // a canvas shows WebGPU only where the page itself is drawn by Vulkan
+    // Chromium shows WebGPU in a canvas only if it draws the page by Vulkan, too
     chromiumCanvas: ['--enable-features=Vulkan', '--use-vulkan=swiftshader', '--ignore-gpu-blocklist'],
     firefox: { 'dom.webgpu.enabled': true, 'gfx.webgpu.ignore-blocklist': true },
 };
@@ -46,7 +47,7 @@ const LAVAPIPE = '/usr/share/vulkan/icd.d/lvp_icd.x86_64.json';
 
 const PACKAGES = { chromium: [['chromium', 'chromium']], firefox: [['firefox-esr', 'firefox-esr'], ['xvfb-run', 'xvfb'], ['xauth', 'xauth']] };
 
-/** Ends with a message where a program is missing: tests need it. */
+/** Ends the process with a message where a program is missing that the tests need. */
 export function needPrograms(browser) {
     for (const [program, name] of PACKAGES[browser]) {
         if (spawnSync('sh', ['-c', `command -v ${program}`]).status !== 0) {
@@ -61,7 +62,7 @@ export function needWebGPU(browser) {
     if (browser === 'firefox') {
         const version = execFileSync('firefox-esr', ['--version'], { encoding: 'utf8' });
         const number = Number(/(\d+)\./.exec(version)?.[1]);
-        if (number < 141) { // its releases refuse WebGPU, whatever the preferences say
+        if (number < 141) { // Firefox's releases before 141 refuse WebGPU, whatever the preferences say
             console.log(`skipped: ${version.trim()} has no WebGPU, which releases of Firefox have from 141 on`);
             process.exit(77);
         }
@@ -98,7 +99,7 @@ function policyOf(pathname, data) {
 /* Lines about how fast a browser draws are no errors. */
 const HARMLESS = [/GL Driver Message \(OpenGL, Performance/];
 
-/** Of what a browser printed, what its console said that is not expected, and what is expected and was not said. */
+/** The faults in a browser's console: lines in `said` that are not expected, and expected lines that are missing. */
 function consoleErrors(browser, said, expected) {
     const lines = Array.from(said.matchAll(CONSOLE[browser]), ([line]) => line).filter((line) => !HARMLESS.some((known) => known.test(line)));
     const wrong = lines.filter((line) => !expected.some((pattern) => pattern.test(line)));
@@ -106,30 +107,31 @@ function consoleErrors(browser, said, expected) {
     return [...wrong.map((line) => `console: ${line}`), ...missing.map((pattern) => `the console does not say ${pattern}`)].join('\n');
 }
 
-/** Core seconds of the processes of a group that live, and of those of their children that have ended. */
+/** Core seconds of the running processes of a group and of their ended children. */
 function coreSeconds(group) {
     let ticks = 0;
     for (const pid of readdirSync('/proc').filter((name) => /^\d+$/.test(name))) {
         try {
             const fields = readFileSync(`/proc/${pid}/stat`, 'utf-8').replace(/^.*\) /s, '').split(' ');
-            if (Number(fields[2]) === group) { // then user and system time, its own and its children's, in hundredths
+            if (Number(fields[2]) === group) { // fields 11 to 14: user and system time, own and children's, in 1/100 s
                 ticks += [11, 12, 13, 14].reduce((sum, i) => sum + Number(fields[i]), 0);
             }
         } catch {
-            // it has just ended
+            // the process has just ended
         }
     }
     return ticks / 100;
 }
 
-/* A page that posts nothing for so long hangs: the longest step between two posts takes seconds, on a busy machine minutes. */
+/* A page that posts nothing for so long has hung: the longest step between two posts takes seconds, or minutes on a
+ * busy machine. */
 const SILENT_MINUTES = 60;
 
 /**
  * Runs a page in a browser until it posts to /done.
  * @param folders {'/prefix/': folder, or several} that are served
  * @param posts {'/path': function of what was posted, parsed}
- * @param job what GET /job answers; GET /core-seconds answers those that the browser has taken
+ * @param job the answer to GET /job; GET /core-seconds is answered with those that the browser has used
  * @param expected patterns, each of a line that the browser's console must print; any other line there is an error
  * @returns '' or what went wrong: what was posted to /done, or the console's errors
  */
@@ -159,7 +161,7 @@ export async function runPage(browser, page, folders, posts, job, expected = [])
             answer(200, JSON.stringify(job), 'application/json');
             return;
         }
-        if (pathname === '/core-seconds') { // of the browser so far, for pages that take times
+        if (pathname === '/core-seconds') { // used by the browser so far, for pages that measure
             answer(200, String(coreSeconds(child.pid)));
             return;
         }
@@ -189,12 +191,12 @@ export async function runPage(browser, page, folders, posts, job, expected = [])
             end(`no word from the page for ${SILENT_MINUTES} minutes; the last was ${last}`);
         }
     }, 1000);
-    // the browser is a process group of its own: whoever ends this ends it too
+    // the browser is a process group of its own, which has to be ended when this process is
     const stop = () => {
         try {
             process.kill(-child.pid, 'SIGTERM');
         } catch {
-            // it has ended
+            // it has ended already
         }
     };
     process.on('exit', stop);

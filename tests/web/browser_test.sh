@@ -9,7 +9,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/vectors" "$work/raw" "$work/scenes"
 case " ${*:7} " in
-'  ' | *' conform '*) # of all parts, only this one reads them
+'  ' | *' conform '*) # the only part that reads vectors
     "$3" --vectors "$work/vectors"
     "$5" "$here/vectors.py" "$root/tests/conformance/port/replay_exr.py" "$work/vectors" "$work/raw"
     ;;

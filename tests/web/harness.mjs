@@ -4,7 +4,7 @@
  */
 let failures = 0;
 
-/** Reports a case: passed where `wrong` is empty, else it says what is wrong. */
+/** Reports a case: it passed where `wrong` is empty; else `wrong` says why it failed. */
 export function report(name, wrong = '') {
     console.log(`[ RUN      ] ${name}`);
     if (wrong) {
@@ -14,7 +14,7 @@ export function report(name, wrong = '') {
     console.log(wrong ? `[  FAILED  ] ${name}` : `[       OK ] ${name}`);
 }
 
-/** Runs a case; what it throws is what is wrong. */
+/** Runs a case; it fails with the error that `body` throws. */
 export async function test(name, body) {
     try {
         await body();

@@ -1,5 +1,5 @@
 #!/bin/bash
-# The npm package, packed by npm, installed from its tarball, run in Node.js, and its types checked: BUILT GOLDEN CORPUS NPM_FOLDER.
+# Packs the npm package, installs the tarball, runs it in Node.js and checks its types: BUILT GOLDEN CORPUS NPM_FOLDER.
 #
 # SPDX-License-Identifier: MIT
 set -eu
@@ -14,7 +14,7 @@ trap 'rm -rf "$work"' EXIT
 version=$(sed -n "s/^ *version: '\(.*\)',/\1/p" "$here/../../meson.build")
 mkdir "$work/user"
 cd "$work/user"
-# npm keeps what it knows in the scratch folder, and asks no registry for anything
+# npm keeps its cache in the scratch folder and asks no registry
 export npm_config_cache=$work/cache npm_config_offline=true npm_config_audit=false npm_config_fund=false npm_config_update_notifier=false
 npm pack --silent "$work/package"
 [ -f "openbtf-$version.tgz" ] || { echo "no tarball of version $version, that of meson.build: $(ls)"; exit 1; }
@@ -25,7 +25,7 @@ node test_module.mjs "$2" "$3"
 python3 "$web/sizes.py" node_modules/openbtf "$web/README.md"
 stat -c 'tarball: %s bytes' openbtf-*.tgz
 
-# The tarball with its peer, three: openbtf/three is found and makes a material, and the types hold what they say.
+# The tarball beside three, its peer dependency: openbtf/three is found and makes a material, and the types are right.
 ln -s "$4/node_modules/three" "$4/node_modules/@types" node_modules/
 cp "$here/test_three.mjs" "$here/types.ts" .
 node test_three.mjs "$2"

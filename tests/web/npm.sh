@@ -1,6 +1,6 @@
 #!/bin/bash
-# npm.sh FOLDER: the packages of package-lock.json beside this, as FOLDER/node_modules. npm checks each against the hash of the lock.
-# Exits 2 with a message where that fails.
+# npm.sh FOLDER: installs the packages of the package-lock.json beside this file to FOLDER/node_modules. npm checks each
+# against its hash there. Exits 2 with a message where that fails.
 #
 # SPDX-License-Identifier: MIT
 set -eu

@@ -1,4 +1,4 @@
-/* Tests in a browser, one page for all: conformance, openbtf/webgl as a guest, openbtf/three against btf-render, the examples.
+/* Runs the tests in a browser, in one page: conformance, openbtf/webgl, openbtf/three against btf-render, the examples.
  *
  *     run_browser.mjs chromium|firefox PACKAGE VECTORS GOLDEN NODE_MODULES BTF_RENDER SCRATCH [PART...]
  *
@@ -20,12 +20,12 @@ const [browser, packageFolder, vectors, golden, modules, btfRender, scratch, ...
 needPrograms(browser);
 const here = dirname(fileURLToPath(import.meta.url));
 const MATERIAL = 'v1-tight.btf.exr';
-// what engines make of the material is their business, not the browser's: one browser for those
+// engines draw alike in all browsers, so they are tested in one
 const ENGINES = browser === 'chromium' ? ['three', 'three_example', 'babylon_example'] : [];
 const job = {
     parts: parts.length ? parts : ['conform', 'state', 'webgl_example', ...ENGINES, 'requests'],
     golden: readdirSync(golden).filter((name) => name.endsWith('.btf.exr')).sort(),
-    // Chromium's SwiftShader keeps the order of operations even where it need not
+    // Chromium's SwiftShader does not use the freedom to reorder, so a missing run-time zero changes nothing there
     noticesZero: browser === 'firefox',
     material: MATERIAL,
     other: 'v1-components.btf.exr',

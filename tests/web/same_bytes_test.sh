@@ -1,5 +1,5 @@
 #!/bin/bash
-# Two builds of the WebAssembly module are the same bytes, wherever the sources lie: BUILT SOURCES.
+# Two builds of the WebAssembly module from sources in different folders have the same bytes: BUILT SOURCES.
 #
 # SPDX-License-Identifier: MIT
 set -eu

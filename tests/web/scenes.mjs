@@ -1,6 +1,5 @@
-/* Scenes that btf-render and three.js draw alike, and how btf-render is asked for them.
- *
- * World of both: x to the right, y up, z to the default camera. An intensity of 1 is btf-render's, pi of three's.
+/* Scenes that btf-render and three.js must draw alike, and the calls of btf-render that draw them. * Both have x to the
+ * right, y up, and z to the default camera. A light's intensity of 1 in btf-render is one of pi in three.
  *
  * SPDX-License-Identifier: MIT
  */

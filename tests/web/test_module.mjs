@@ -18,7 +18,7 @@ const [golden, corpus] = process.argv.slice(2);
 const file = (name) => readFileSync(join(golden, name));
 const files = (folder) => readdirSync(folder).filter((name) => name.endsWith('.exr')).sort();
 
-/** The error that a call ends with, of this code, with a message that matches. */
+/** Checks that a call fails with this code and a message that matches, and returns the error. */
 async function refuses(code, pattern, body) {
     try {
         await body();
@@ -112,7 +112,7 @@ for (const name of files(golden)) {
             assert.ok(fast.length === 150 && fast.every((x) => x >= 0));
         }
         assert.ok(material.evaluate(uv, light, view).some((x) => x > 0));
-        // one direction for all is that direction for each
+        // one direction for all gives the same as that direction for each
         const all = (v) => Float32Array.from({ length: 150 }, (_, i) => v[i % 3]);
         const [l, v] = [light.slice(0, 3), view.slice(0, 3)];
         for (const reference of [false, true]) {
@@ -297,7 +297,7 @@ await test('memory is used again', async () => {
 });
 
 await test('another module is not taken', async () => {
-    await load('http://openbtf.invalid/never-fetched.wasm'); // it is loaded already: the first call alone says where from
+    await load('http://openbtf.invalid/never-fetched.wasm'); // ignored: the module was loaded by the first call
 });
 
 process.exit(exitCode());

@@ -1,4 +1,5 @@
-/* openbtf/three and openbtf/three-webgpu without a renderer, in Node.js: test_three.mjs GOLDEN, from a folder where the package and three are installed.
+/* openbtf/three and openbtf/three-webgpu without a renderer, in Node.js: test_three.mjs GOLDEN, run in a folder where
+ * the package and three are installed.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -37,7 +38,8 @@ await test('materials take at most the textures that the documents say', async (
     }
 });
 
-/** As much of a GPUDevice as takes textures: counts them, the reactions to its loss, and refuses textures while it is told to. */
+/** A stand-in for the part of a GPUDevice that makes textures. It counts them and the handlers of its loss, and refuses
+ * textures while `refuses` is set. */
 class Device {
     queue = { writeTexture() {} };
     limits = { maxTextureDimension2D: 8192, maxTextureArrayLayers: 2048, maxSampledTexturesPerShaderStage: 16 };
@@ -79,7 +81,7 @@ Object.assign(globalThis, { GPUDevice: Device, GPUTextureUsage: constants, GPUBu
 const rendererOf = (device) => ({ backend: { isWebGPUBackend: true, device } });
 const settled = () => new Promise((resolve) => { setTimeout(resolve); });
 
-/** What the console says as an error while a function runs, and until promises have settled. */
+/** The errors that the console shows while a function runs and until its promises have settled. */
 async function saidDuring(body) {
     const { error } = console, said = [];
     console.error = (text) => said.push(text);
@@ -105,7 +107,7 @@ await test('a node material whose textures are refused', async () => {
     };
     let disposed = 0;
     material.addEventListener('dispose', () => { disposed += 1; });
-    // by the device, later
+    // the device refuses later
     device.refuses = true;
     const said = await saidDuring(() => frames(3));
     assert.deepEqual(said, ['openbtf/three-webgpu: a material is drawn black: WebGPU has no memory left for textures: no']);
@@ -124,7 +126,7 @@ await test('a node material whose textures are refused', async () => {
     assert.deepEqual([device.textures.length, device.held], [5 * count, count]);
     material.dispose();
     assert.equal(device.held, 0);
-    // by its limits, at once; dispose() forgets it
+    // the device's limits refuse at once; dispose() forgets the refusal
     device.limits.maxTextureDimension2D = 1;
     const limited = await saidDuring(() => frames(3));
     assert.deepEqual([limited.length, device.textures.length, device.held], [1, 6 * count, count]);

@@ -1,4 +1,5 @@
-/* Every type of the package as a user of TypeScript meets it: compiled, never run. A line behind @ts-expect-error must not compile.
+/* Uses every type of the package as a user of TypeScript does. The file is compiled and never run. A line after
+ * @ts-expect-error must not compile.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -36,11 +37,11 @@ export async function use(gl: WebGL2RenderingContext, renderer: WebGLRenderer, p
     new Material();
     // @ts-expect-error: read only
     info.width = 1;
-    // @ts-expect-error: nothing is picked at random in three
+    // @ts-expect-error: BTFMaterial has no stochastic decode
     new BTFMaterial(material, { decode: { picks: 'all' } });
     // @ts-expect-error: a renderer of the other kind
     await nodes.upload(renderer);
-    // @ts-expect-error: no path of a file
+    // @ts-expect-error: open() takes bytes and no path
     await open('bricks.btf.exr');
 
     try {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The test vectors of btf-conform as a page reads them: vectors.py REPLAY_EXR.PY VECTORS OUT.
+"""Converts the test vectors of btf-conform for a page: vectors.py REPLAY_EXR.PY VECTORS OUT.
 
 OUT gets the materials, NN.bin beside each (for each of its pixels 14 words of 32 bits: uv 2, light 3, view 3, radiance 3, picked
 3), and vectors.json, the manifest's list with the size of a vector's side.

@@ -17,7 +17,9 @@ colours are linear Rec. 709. Errors are exceptions with the messages of the C li
 SPDX-License-Identifier: MIT
 """
 from ._library import BadFileError, Error, FileError, UnsupportedError, UsageError
-from .material import EFFECTS, Material, Plan, open
+from ._options import EFFECTS
+from ._plan import Plan
+from .material import Material, open
 from .data import Data, encode, read, write
 
 __all__ = ["BadFileError", "Data", "EFFECTS", "Error", "FileError", "Material", "Plan", "UnsupportedError", "UsageError",

@@ -15,6 +15,7 @@ from ctypes import POINTER, byref, c_char_p, c_double, c_float, c_int, c_size_t,
 import numpy as np
 
 from . import _library as c
+from ._options import choice
 
 _TRANSFERS = {"auto": 0, "srgb": 1, "linear": 2}
 _PRIMARIES = {"auto": 0, "rgb": 1, "xyz": 2}
@@ -151,12 +152,6 @@ class Data:
         return whole if dtype is None else whole.astype(dtype)
 
 
-def _choice(table, value, name):
-    if value not in table:
-        raise c.UsageError("%s is %r; it can be %s" % (name, value, ", ".join(map(repr, table))), 1)
-    return table[value]
-
-
 def read(path, transfer="auto", gamma=None, primaries="auto", cosine="auto", size=None, crop=None, flip_v=False,
          azimuth_cw=False, azimuth_offset=0.0, layer=None, names=None, strict=False, memory=None):
     """Opens a data set: a folder or archive of images whose names say tl, pl, tv and pv (UBO2003, UTIA, ...), or a Bonn
@@ -180,8 +175,8 @@ def read(path, transfer="auto", gamma=None, primaries="auto", cosine="auto", siz
     >>> folder.cleanup()
     """
     options = InputOptions(
-        struct_size=sizeof(InputOptions), transfer=3 if gamma is not None else _choice(_TRANSFERS, transfer, "transfer"),
-        gamma=gamma or 0.0, primaries=_choice(_PRIMARIES, primaries, "primaries"), cosine=_choice(_COSINES, cosine, "cosine"),
+        struct_size=sizeof(InputOptions), transfer=3 if gamma is not None else choice(_TRANSFERS, transfer, "transfer"),
+        gamma=gamma or 0.0, primaries=choice(_PRIMARIES, primaries, "primaries"), cosine=choice(_COSINES, cosine, "cosine"),
         flip_v=int(flip_v), azimuth_cw=int(azimuth_cw), azimuth_offset=azimuth_offset,
         layer=layer.encode() if layer else None, names=os.fsencode(names) if names else None, strict=int(strict),
         memory=memory or 0)

@@ -11,56 +11,12 @@ from ctypes import byref, c_float, c_size_t, c_uint32, c_void_p, cast, sizeof
 import numpy as np
 
 from . import _library as c
+from . import _options as o
+from ._plan import Plan
 
-EFFECTS = {"shadow": 1, "shift": 2, "hidden": 4, "gain": 8, "residual": 16, "relief": 32, "gloss": 64}
 _FORMATS = [None, (np.uint8, 1), (np.uint8, 2), (np.uint8, 4), (np.int8, 4), (np.uint16, 4), (np.float16, 4),
             (np.float32, 4), (np.uint32, 4)]
-_INTERPOLATIONS = {"linear": 0, "nearest": 1}
-_FILTERS = {"texel": 0, "bilinear": 1, "steep": 2}
-_MATHS = {"exact": 0, "fast": 1}
-_BINDINGS = {"none": 0, "gl": 1, "vulkan": 2}
-_PICKS = {"none": 0, "view": 1, "light": 2, "all": 3}
-_FOLDS = {"none": 0, "light": 1, "both": 2, "neighbours": 3}
 _TEXTURES = 20
-
-
-def _choice(table, value, name):
-    try:
-        return table[value]
-    except (KeyError, TypeError):
-        raise c.UsageError("%s is %r; it can be %s" % (name, value, ", ".join(map(repr, table))), 1) from None
-
-
-def _names(mask):
-    return tuple(name for name, bit in EFFECTS.items() if mask & bit)
-
-
-def _leave_out(effects):
-    """The bits to leave out where `effects`, names or None for all, are to be decoded."""
-    if effects is None:
-        return 0
-    if isinstance(effects, str):
-        effects = [effects]
-    keep = 0
-    for effect in effects:
-        keep |= _choice(EFFECTS, effect, "effect")
-    return sum(EFFECTS.values()) & ~keep
-
-
-def _components(count):
-    """At most so many; the C structures say 0 for all, and none at all is the effect `residual` left out."""
-    if count is None:
-        return 0
-    if count < 1:
-        raise c.UsageError("components is %r; it is at least 1, and without \"residual\" in effects there are none" % (count,), 1)
-    return int(count)
-
-
-def _vectors(value, length, name):
-    array = np.asarray(value, np.float32)
-    if array.ndim == 0 or array.shape[-1] != length:
-        raise c.UsageError("%s has shape %s; the last axis has to be %d long" % (name, array.shape, length), 1)
-    return array
 
 
 class _Owner(np.ndarray):
@@ -96,41 +52,6 @@ class _Handle:
 
 class Errors(tuple):
     """Rows (effects, dB linear, dB sRGB-coded, bytes on the GPU) as the encoder measured them at the samples."""
-
-
-class Plan:
-    """The cheapest way to decode a scene within a tolerance (openbtf/plan.h, btf_plan).
-
-    Attributes: `effects` (names), `components`, `interpolation`, `filter`, `level`, `gpu_bytes`, `full_gpu_bytes`,
-    `cost` and `full_cost` (ns a pixel of the model: ratios mean something), `psnr` and `full_psnr` (linear, sRGB-coded
-    dB at the samples), `between_psnr`, `full_between_psnr` (between them; None where the file does not know), `fold`,
-    `price` (what plans are compared by: relative time, folded where that is less, plus relative bytes).
-    """
-
-    def __init__(self, plan):
-        self._c = plan
-        self.effects = _names(plan.effects)
-        self.components = plan.components
-        self.interpolation = "nearest" if plan.shader.interpolation else "linear"
-        self.filter = list(_FILTERS)[plan.shader.filter]
-        self.level = plan.level
-        self.gpu_bytes = plan.gpu_bytes
-        self.full_gpu_bytes = plan.full_gpu_bytes
-        self.cost = plan.cost
-        self.full_cost = plan.full_cost
-        self.measured = bool(plan.measured)
-        self.psnr = (plan.psnr_linear, plan.psnr_srgb)
-        self.full_psnr = (plan.full_psnr_linear, plan.full_psnr_srgb)
-        known = plan.full_between_psnr_linear != 0
-        self.between_psnr = (plan.between_psnr_linear, plan.between_psnr_srgb) if known else None
-        self.full_between_psnr = (plan.full_between_psnr_linear, plan.full_between_psnr_srgb) if known else None
-        self.fold = list(_FOLDS)[plan.fold]
-        self.price = plan.price
-
-    def __repr__(self):
-        return "<openbtf.Plan: %s, %d components, level %d, %s of %s bytes, %.0f %% of the time>" % (
-            ", ".join(self.effects) or "no effects", self.components, self.level, format(self.gpu_bytes, ","),
-            format(self.full_gpu_bytes, ","), 100 * self.cost / self.full_cost if self.full_cost else 100)
 
 
 class Material:
@@ -176,7 +97,7 @@ class Material:
     @property
     def effects(self):
         """Names of the effects that the file holds, a subset of `openbtf.EFFECTS`."""
-        return _names(self._info.effects)
+        return o.names_of(self._info.effects)
 
     @property
     def components(self):
@@ -223,7 +144,7 @@ class Material:
         """The accuracy of each set of effects at the samples: rows (effects, dB linear, dB sRGB-coded, bytes)."""
         count = c_size_t()
         rows = c.library.btf_material_errors(self._handle.pointer, byref(count))
-        return Errors((_names(rows[i].effects), rows[i].psnr_linear, rows[i].psnr_srgb, int(rows[i].gpu_bytes))
+        return Errors((o.names_of(rows[i].effects), rows[i].psnr_linear, rows[i].psnr_srgb, int(rows[i].gpu_bytes))
                       for i in range(count.value))
 
     def textures(self, level=0):
@@ -268,7 +189,7 @@ class Material:
         >>> float(m.evaluate([0.5, 0.5], l=[0, 0, -1], v=[0, 0, 1]).max())
         0.0
         """
-        uv, l, v = _vectors(uv, 2, "uv"), _vectors(l, 3, "l"), _vectors(v, 3, "v")
+        uv, l, v = o.vectors(uv, 2, "uv"), o.vectors(l, 3, "l"), o.vectors(v, 3, "v")
         levels = np.asarray(level)
         if levels.dtype.kind not in "iu":
             raise c.UsageError("level has type %s; it is an integer" % levels.dtype, 1)
@@ -308,7 +229,7 @@ class Material:
             if not -len(samples) <= value < len(samples):
                 raise c.UsageError("%s %r is not one of the %d samples" % (name, value, len(samples)), 1)
             return np.ascontiguousarray(samples[value])
-        return np.ascontiguousarray(_vectors(value, 3, name).reshape(3))
+        return np.ascontiguousarray(o.vectors(value, 3, name).reshape(3))
 
     def _evaluate_options(self, effects, components, interpolation, filter):
         with self._lock:
@@ -316,8 +237,9 @@ class Material:
                 messages, evaluator = c.Messages(), c_void_p()
                 messages.check(c.library.btf_evaluator_create(self._handle.pointer, messages.pointer, byref(evaluator)))
                 self._evaluator = evaluator
-        return c.EvaluateOptions(sizeof(c.EvaluateOptions), _leave_out(effects), _components(components),
-                                 _choice(_INTERPOLATIONS, interpolation, "interpolation"), _choice(_FILTERS, filter, "filter"))
+        return c.EvaluateOptions(sizeof(c.EvaluateOptions), o.leave_out(effects), o.components_of(components),
+                                 o.choice(o.INTERPOLATIONS, interpolation, "interpolation"),
+                                 o.choice(o.FILTERS, filter, "filter"))
 
     def _evaluate_many(self, options, count, threads, uv, texels, l, v, levels, fixed):
         """float32 (count, 3) of `count` evaluations. Arrays have a row each, or are None; of l and v those that are fixed
@@ -355,14 +277,15 @@ class Material:
 
         `random`: uint32 (..., 3), broadcast as uv, l, v are. `picks`: "view", "light" (and view), "all" (and the texel).
         A call of the reference decoder for each argument: for comparing, not for speed."""
-        uv, l, v = _vectors(uv, 2, "uv"), _vectors(l, 3, "l"), _vectors(v, 3, "v")
+        uv, l, v = o.vectors(uv, 2, "uv"), o.vectors(l, 3, "l"), o.vectors(v, 3, "v")
         random = np.asarray(random, np.uint32)
         shape = np.broadcast_shapes(uv.shape[:-1], l.shape[:-1], v.shape[:-1], random.shape[:-1])
         uv, l, v, random = (np.ascontiguousarray(np.broadcast_to(a, shape + a.shape[-1:])).reshape(-1, a.shape[-1])
                             for a in (uv, l, v, random))
-        pick = _choice({k: n for k, n in _PICKS.items() if n}, picks, "picks")
-        options = c.RefOptions(127 & ~_leave_out(effects), _components(components) or 0xFFFFFFFF,
-                               1 - _choice(_INTERPOLATIONS, interpolation, "interpolation"), _choice(_FILTERS, filter, "filter"))
+        pick = o.choice({k: n for k, n in o.PICKS.items() if n}, picks, "picks")
+        options = c.RefOptions(127 & ~o.leave_out(effects), o.components_of(components) or 0xFFFFFFFF,
+                               1 - o.choice(o.INTERPOLATIONS, interpolation, "interpolation"),
+                               o.choice(o.FILTERS, filter, "filter"))
         material = self._reference(level)
         rgb = np.empty((len(uv), 3), np.float32)
         for i in range(len(uv)):
@@ -376,7 +299,7 @@ class Material:
 
         v: float32 (..., 3); u1, u2: uint32, random bits; broadcast. Returns l, float32 (..., 3), and its density over the
         solid angle, float32 (...)."""
-        v = _vectors(v, 3, "v")
+        v = o.vectors(v, 3, "v")
         u1, u2 = np.asarray(u1, np.uint32), np.asarray(u2, np.uint32)
         shape = np.broadcast_shapes(v.shape[:-1], u1.shape, u2.shape)
         v = np.ascontiguousarray(np.broadcast_to(v, shape + (3,))).reshape(-1, 3)
@@ -390,7 +313,7 @@ class Material:
 
     def pdf_light(self, v, l):
         """The density, float32 (...), with which `sample_light` draws l for v; both (..., 3)."""
-        v, l = _vectors(v, 3, "v"), _vectors(l, 3, "l")
+        v, l = o.vectors(v, 3, "v"), o.vectors(l, 3, "l")
         shape = np.broadcast_shapes(v.shape[:-1], l.shape[:-1])
         v, l = (np.ascontiguousarray(np.broadcast_to(a, shape + (3,))).reshape(-1, 3) for a in (v, l))
         material, tables = self._reference(0), self._tables()
@@ -451,7 +374,7 @@ class Material:
         True
         """
         return self._source(effects, components, interpolation, filter, math, int(have_precise),
-                            _choice(_BINDINGS, bindings, "bindings"), first_binding, descriptor_set, prefix, picks, fold, language=0)
+                            o.choice(o.BINDINGS, bindings, "bindings"), first_binding, descriptor_set, prefix, picks, fold, language=0)
 
     def wgsl(self, effects=None, components=None, interpolation="linear", filter="texel", math="exact", first_binding=0,
              descriptor_set=0, prefix="btf", picks="none", fold="none"):
@@ -470,11 +393,11 @@ class Material:
                 prefix, picks, fold, language):
         """The text of btf_shader_source, in a btf_language."""
         options = c.ShaderOptions(
-            sizeof(c.ShaderOptions), _leave_out(effects), _components(components),
-            _choice(_INTERPOLATIONS, interpolation, "interpolation"), _choice(_FILTERS, filter, "filter"),
-            _choice(_MATHS, math, "math"), have_precise, bindings, first_binding, descriptor_set,
+            sizeof(c.ShaderOptions), o.leave_out(effects), o.components_of(components),
+            o.choice(o.INTERPOLATIONS, interpolation, "interpolation"), o.choice(o.FILTERS, filter, "filter"),
+            o.choice(o.MATHS, math, "math"), have_precise, bindings, first_binding, descriptor_set,
             prefix.encode())
-        options.picks, options.fold = _choice(_PICKS, picks, "picks"), _choice(_FOLDS, fold, "fold")
+        options.picks, options.fold = o.choice(o.PICKS, picks, "picks"), o.choice(o.FOLDS, fold, "fold")
         options.language = language
         messages, text = c.Messages(), c_void_p()
         messages.check(c.library.btf_shader_source(self._handle.pointer, byref(options), messages.pointer, byref(text)))

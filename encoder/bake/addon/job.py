@@ -25,7 +25,7 @@ class Job:
         try:
             scene = bpy.data.filepath
             if bpy.data.is_dirty or not scene:
-                # A preview shows what is there now. A data set belongs to a file: operators.py asks for one.
+                # A preview shows the scene with its unsaved changes. Before a bake operators.py demands a saved file.
                 scene = os.path.join(self._folder, 'scene.blend')
                 bpy.ops.wm.save_as_mainfile(filepath=scene, copy=True, check_existing=False)
             asked = os.path.join(self._folder, 'settings.json')
@@ -50,7 +50,7 @@ class Job:
             self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, **more)
 
     def _reports(self):
-        """The reports that came since the last time."""
+        """The reports that the other Blender sent since the last call."""
         while True:
             try:
                 read = os.read(self._pipe, 65536)
@@ -78,7 +78,7 @@ class Job:
             self._ended = True
 
     def poll(self):
-        """Looks how far it is; True when something changed."""
+        """Takes in what the bake reported since the last call; returns True when something changed."""
         if self.done:
             return False
         before = self.said, self.progress

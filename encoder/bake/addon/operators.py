@@ -14,8 +14,8 @@ from bpy_extras.io_utils import ExportHelper
 
 from . import job
 
-_job = None       # the one that runs
-_pictures = None  # of the preview, for the panel
+_job = None       # the Job that runs now
+_pictures = None  # the collection of icons that holds the preview's, for the panel
 
 
 def running():
@@ -39,7 +39,7 @@ def foreseen(context):
         if settings.pairs:
             count = len(settings.images())
         else:
-            views, lights = settings.lists()  # cheaper than the names of all images, at each redraw
+            views, lights = settings.lists()  # called at each redraw; settings.images() would make all names
             count = len(views) * len(lights)
         if settings.part[1] > 1:
             count = len(range(settings.part[0] - 1, count, settings.part[1]))
@@ -57,18 +57,18 @@ def _show(path):
         bpy.data.images.remove(old)
     image = bpy.data.images.load(path)
     image.name = 'BTF preview'
-    image.pack()  # the file does not stay
+    image.pack()  # because the file is temporary
 
 
 class _Bakes:
     """An operator that bakes: beside the window where there is one, else until it is done."""
 
     def asked(self, context):
-        """(Settings, command that encodes or None). Raises BakeError."""
+        """Returns (Settings, the command that encodes the images or None). Raises BakeError."""
         raise NotImplementedError
 
     def finished(self, context):
-        """After a bake that went well."""
+        """Called after a bake that succeeded."""
 
     @classmethod
     def poll(cls, context):
@@ -127,7 +127,7 @@ class _Bakes:
         return {'FINISHED'}
 
     def cancel(self, context):
-        """Blender is closed, or another file opened."""
+        """Called by Blender when it is closed or another file is opened."""
         self._end(context)
 
     def _end(self, context):
@@ -171,7 +171,7 @@ class BTF_OT_export(_Bakes, bpy.types.Operator, ExportHelper):
     bl_label = 'Export BTF'
 
     filename_ext = '.btf.exr'
-    check_extension = None  # Blender knows no ending with a dot in it
+    check_extension = None  # Blender cannot check '.btf.exr', since it has a dot within
     filter_glob: bpy.props.StringProperty(default='*.btf.exr', options={'HIDDEN'})
 
     def invoke(self, context, event):
@@ -192,8 +192,8 @@ class BTF_OT_export(_Bakes, bpy.types.Operator, ExportHelper):
 
 
 def _need_file(folder):
-    """Images belong to a file: by its hash a later bake knows that it goes on with the same scene. And a path that begins
-    with // has no meaning before the file has a place."""
+    """Refuses to bake a scene that was not saved: by the hash of its file a later bake knows that it goes on with the
+    same scene, and a path that begins with // is relative to the file's folder."""
     if not bpy.app.background and (bpy.data.is_dirty or not bpy.data.filepath):
         raise BakeError(1, 'save the file first: the images belong to it, and a bake that was stopped goes on with the same file '
                         'alone')

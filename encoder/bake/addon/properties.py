@@ -58,7 +58,7 @@ class BTFSettings(bpy.types.PropertyGroup):
                                       description='The program that makes the material of the images')
 
     def settings(self, context, **changed):
-        """These as a Settings, with `changed` in place of what stands here."""
+        """Returns these properties as a Settings; members given in `changed` override them."""
         values = {name: tuple(value) if hasattr(value, '__len__') and not isinstance(value, str) else value
                   for name, value in ((name, getattr(self, name)) for name in self.names())}
         values['sun_angle'] = math.degrees(self.sun_angle)
@@ -72,7 +72,7 @@ class BTFSettings(bpy.types.PropertyGroup):
 
     @staticmethod
     def names():
-        """Those properties that are members of Settings."""
+        """The names of the properties that are members of Settings."""
         return [name for name in Settings.__dataclass_fields__ if name not in NO_PROPERTIES]
 
 

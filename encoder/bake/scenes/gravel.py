@@ -16,8 +16,8 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import tile  # noqa: E402
 
 STONES, PLACES = 78, 300
-CELLS = 256  # of the height field in which stones fall, along a side
-STEPS = 16   # samples along a triangle's edges, closer together than cells
+CELLS = 256  # cells along a side of the height field onto which stones fall
+STEPS = 16   # samples along an edge of a triangle; they lie closer together than cells
 COLOURS = [('granite', (0.30, 0.29, 0.28), 0.6), ('slate', (0.10, 0.115, 0.13), 0.45), ('sandstone', (0.42, 0.29, 0.17), 0.8),
            ('quartz', (0.68, 0.64, 0.57), 0.35), ('porphyry', (0.27, 0.10, 0.07), 0.55), ('basalt', (0.05, 0.05, 0.055), 0.4),
            ('ochre', (0.50, 0.33, 0.14), 0.75)]
@@ -25,7 +25,8 @@ SHARES = [0.26, 0.16, 0.18, 0.12, 0.10, 0.06, 0.12]
 
 
 def icosphere(subdivisions):
-    """Unit vectors and triangles of a sphere: an icosahedron, each triangle cut into four so often."""
+    """Unit vectors and triangles of a sphere: an icosahedron whose triangles are cut into four, `subdivisions`
+    times."""
     g = (1 + np.sqrt(5)) / 2
     vertices = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g), (0, -1, -g), (0, 1, -g),
                 (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
@@ -51,7 +52,7 @@ def icosphere(subdivisions):
 
 
 def normals_of(vertices, triangles):
-    """Of a closed mesh: the mean of the triangles at each vertex, by area."""
+    """Normals of a closed mesh: at each vertex the mean of its triangles' normals, weighted by area."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     face = np.cross(b - a, c - a)
     sums = np.zeros_like(vertices)
@@ -109,7 +110,7 @@ def main():
         vertices = stone(random, sphere)
         x, y, low, high = footprint(vertices, triangles)
         places = random.randint(0, CELLS, size=(PLACES, 2))
-        # The tile is a torus here: what leaves on one side comes back on the other.
+        # The tile is a torus here: a stone that reaches beyond one side comes back on the other.
         columns, rows = (places[:, :1] + x) % CELLS, (places[:, 1:] + y) % CELLS
         rest = (heights[columns, rows] - low).max(axis=1)
         best = rest.argmin()

@@ -17,8 +17,8 @@ WALES, COURSES = 5, 7  # stitches along x and y
 # about h + 1/2 apart. Five stitches are 31.4 of its units wide, and so are seven courses of 4.49.
 SWING, HEIGHT, BULGE = 1.5, 4.0, 1.0
 UNIT = 1 / (2 * np.pi * WALES)
-RADIUS = 0.72  # thicker than there, for a fuller fabric; courses are 1.53 apart where they pass each other
-SEGMENTS, SIDES, PLIES, TURNS = 44, 6, 3, 4  # a stitch of yarn: rings of vertices, their corners, plies and their twist
+RADIUS = 0.72 # of the yarn, thicker than Crane's for a fuller fabric; courses are 1.53 apart where they pass each other
+SEGMENTS, SIDES, PLIES, TURNS = 44, 6, 3, 4 # of a stitch: rings of vertices, their corners, plies, turns of the twist
 COLOURS = {'.': ('navy', (0.035, 0.075, 0.20)), 'o': ('cream', (0.72, 0.62, 0.45)), 'x': ('rust', (0.50, 0.085, 0.03))}
 PATTERN = ['x.x.x',
            '..o..',
@@ -42,7 +42,8 @@ def even_parameters(count):
 
 
 def across(curve, shift):
-    """Two unit vectors across a curve that goes on after its last point, moved by shift; no part of it runs along z."""
+    """Two unit vectors across a curve at each of its points. After its last point the curve goes on with its first,
+    moved by `shift`. No part of it may run along z."""
     after = np.concatenate([curve[1:], curve[:1] + shift])
     before = np.concatenate([curve[-1:] - shift, curve[:-1]])
     tangent = tile.unit(after - before)
@@ -75,12 +76,12 @@ def add_course(part, course, slots):
         u, v = across(line, shift)
         out = np.cos(corner)[None, :, None] * u[:, None] + np.sin(corner)[None, :, None] * v[:, None]
         rings = line[:, None] + ply * out
-        # One ring more: the first of the next tile, so that the copy there begins where this one ends.
+        # One more ring, the first of the next tile, so that the neighbour's copy begins where this one ends.
         rings = np.concatenate([rings, rings[:1] + shift])
         out = np.concatenate([out, out[:1]])
         rings = rings * UNIT + [0, (course + 0.5) / COURSES, 0]
         triangles = tile.lattice(len(rings), SIDES, closed=True)
-        # A stitch is seen as its two legs, from the foot at odd multiples of pi to the next.
+        # A stitch looks like its two legs: it goes from the foot at one odd multiple of pi to that at the next.
         ring = triangles.min(axis=1) // SIDES
         stitch = (ring + SEGMENTS // 2) // SEGMENTS % WALES
         part.add(rings.reshape(-1, 3), out.reshape(-1, 3), triangles, np.asarray(slots)[stitch] * PLIES + p)

@@ -17,11 +17,11 @@ COLUMNS, ROWS = 5, 8  # an even number of rows: each is moved by half a scale ag
 LENGTH = 0.27
 THICKNESS = 0.004, 0.040  # at the root and at the tip
 LIFT = np.radians(18)
-ALONG, ACROSS = 16, 14  # quadrilaterals of a side of a scale
+ALONG, ACROSS = 16, 14  # quadrilaterals along and across a side of a scale
 
 
 def outline(v):
-    """Half the width of a scale, of its greatest, at v from root (0) to tip (1)."""
+    """The width of a scale at v, from its root (0) to its tip (1), as a fraction of its greatest width."""
     return np.where(v < 0.55, 0.88 + 0.12 * np.sin(np.pi * v / 1.1), np.sqrt(1 - np.clip((v - 0.55) / 0.45, 0, 1) ** 2.2))
 
 
@@ -36,7 +36,7 @@ def blade(u, v, lift, curl):
 
 
 def side(position):
-    """Unit normals of a grid of positions (rows along v, columns along u), upwards."""
+    """Upward unit normals of a grid of positions (rows along v, columns along u)."""
     du, dv = np.gradient(position, axis=1), np.gradient(position, axis=0)
     normal = np.cross(dv, du)
     short = np.linalg.norm(normal, axis=-1, keepdims=True)

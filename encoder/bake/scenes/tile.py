@@ -33,7 +33,7 @@ class Part:
         self.count = 0
 
     def add(self, vertices, normals, triangles, slots):
-        """Adds a piece; slots is one index or one of each triangle."""
+        """Adds a piece. slots: one index, or one for each triangle."""
         self.vertices.append(np.asarray(vertices, float))
         self.normals.append(np.asarray(normals, float))
         self.triangles.append(np.asarray(triangles) + self.count)
@@ -45,7 +45,7 @@ class Part:
 
 
 def unit(vectors):
-    """Of length 1, along the last axis."""
+    """The vectors of the last axis, scaled to length 1."""
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 
 
@@ -70,7 +70,7 @@ def material(name, colour, roughness=0.6, metallic=0.0, specular=0.5, sheen=0.0)
     """Blender's Principled material of one colour, linear Rec. 709."""
     made = bpy.data.materials.new(name)
     made.use_nodes = True
-    made.diffuse_color = (*colour, 1)  # of the solid view
+    made.diffuse_color = (*colour, 1)  # the colour that Blender's viewport shows in solid mode
     inputs = made.node_tree.nodes['Principled BSDF'].inputs
     inputs['Base Color'].default_value = (*colour, 1)
     inputs['Roughness'].default_value = roughness
@@ -82,7 +82,7 @@ def material(name, colour, roughness=0.6, metallic=0.0, specular=0.5, sheen=0.0)
 
 
 def arguments(description, seed=None):
-    """Options behind '--' of Blender's command line: -o FILE, and where the scene has something random --seed N."""
+    """Reads the options after '--' on Blender's command line: -o FILE, and --seed N where the scene has a seed."""
     parser = argparse.ArgumentParser(prog='blender -b -P ' + os.path.basename(sys.argv[sys.argv.index('-P') + 1]) + ' --',
                                      description=description)
     parser.add_argument('-o', '--output', metavar='FILE', required=True, help='the scene to write, *.blend')
@@ -98,7 +98,7 @@ def arguments(description, seed=None):
 
 
 def mesh_object(part):
-    """Part as an object of Blender."""
+    """Makes a Blender object of a Part."""
     vertices, normals, triangles, slots = part.joined()
     mesh = bpy.data.meshes.new(part.name)
     mesh.from_pydata(vertices.tolist(), [], triangles.tolist())
@@ -114,12 +114,13 @@ def mesh_object(part):
 
 
 def begin():
-    """An empty file: no cube, light or camera of the start-up scene."""
+    """Begins an empty file, without the cube, light and camera of Blender's start-up scene."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
 
 
 def finish(parts, path):
-    """Moves parts so that the highest point is at z = 0, checks them, and writes the scene: all of it or nothing."""
+    """Moves the parts so that the highest point is at z = 0, checks them, and writes the scene. The file is whole or
+    absent."""
     top = max(np.concatenate(part.vertices)[:, 2].max() for part in parts)
     bottom = min(np.concatenate(part.vertices)[:, 2].min() for part in parts)
     triangles = sum(len(each) for part in parts for each in part.triangles)
@@ -133,7 +134,7 @@ def finish(parts, path):
         for vertices in part.vertices:
             vertices[:, 2] -= top
         collection.objects.link(mesh_object(part))
-    # The ending stays .blend, for Blender appends it otherwise.
+    # The temporary name ends in .blend too, since Blender would append it.
     beside = f'{os.path.abspath(path)[:-len(".blend")]}.part{os.getpid()}.blend'
     try:
         bpy.ops.wm.save_as_mainfile(filepath=beside, compress=True)

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A pair of sampled directions: places in the lists of those that can be left out. */
+/* A pair of sampled directions: indices into the lists of those that can be left out. */
 typedef struct left_pair {
     int view, light;
 } left_pair;
@@ -44,7 +44,7 @@ static uint64_t mix(uint64_t x) {
     return x ^ (x >> 31);
 }
 
-/* Pairs and their samples, texel by texel: [pair][texel][3]. */
+/* Fills in the estimate's pairs and their samples: [pair][texel][3]. */
 static btf_result fill_estimate(const enc_context *context, bench_between *b) {
     const enc_data *data = b->data;
     const size_t texels = enc_data_texel_count(data), lights = (size_t)data->n_lights;
@@ -65,7 +65,8 @@ static btf_result fill_estimate(const enc_context *context, bench_between *b) {
     return result;
 }
 
-/* A light that stood elsewhere than its direction says shows no truth of it: such pairs are passed over. */
+/* Chooses the pairs of the estimate. Pairs whose light stood elsewhere than its direction says are left out, since
+ * their images do not show the truth. */
 static btf_result make_estimate(const enc_context *context, bench_between *b) {
     const enc_data *data = b->data;
     bench_truth *e = &b->estimate;
@@ -156,10 +157,10 @@ static void sum_up(const enc_error_sum *parts, size_t count, double out[2]) {
     out[1] = enc_psnr_srgb(&total);
 }
 
-/* Materials.
- * ------------------------------------------------------------------------------------------------ */
+/* --- materials --- */
 
-/* The image of a pair: at the truth's directions, or one that is left out, decoded from the others. */
+/* Decodes the image of a pair: at the truth's directions; or, in the estimate, at sampled directions from the other
+ * samples. */
 static void decode_pair(const bench_between *b, bench_between_set set, const btf_ref_material *material,
                         const btf_ref_options *options, size_t p, float *out) {
     const enc_pair *pair = &truth_of(b, set)->pair[p];
@@ -226,8 +227,7 @@ btf_result bench_between_material(const enc_context *context, const bench_betwee
     return result == BTF_ERROR_MEMORY ? enc_fail(context, result, "bench: out of memory") : result;
 }
 
-/* Images, interpolated.
- * ------------------------------------------------------------------------------------------------ */
+/* --- interpolated images --- */
 
 static btf_result weights_of_truth(const enc_context *context, const bench_between *b,
                                    enc_interpolation kind, pair_weights *weights) {
@@ -246,7 +246,7 @@ static btf_result weights_of_truth(const enc_context *context, const bench_betwe
     return result;
 }
 
-/* A spline through all directions but one, there. */
+/* The weights, at one direction, of a spline through all the others. */
 static btf_result spline_without(const enc_context *context, const char *name,
                                  const enc_direction *directions, int count, int without,
                                  enc_weights *out) {
@@ -284,7 +284,7 @@ static void weights_near(btf_ref_neighbours near, bool nearest, enc_weights *out
     }
 }
 
-/* One for each direction that can be left out: [list->count]. */
+/* The weights for each direction that can be left out: [list->count]. */
 static btf_result weights_of_list(const enc_context *context, const char *name,
                                   const enc_direction *directions, int count, const enc_left_out *list,
                                   enc_interpolation kind, enc_weights *out) {
@@ -319,7 +319,7 @@ static btf_result weights_of_estimate(const enc_context *context, const bench_be
     return result;
 }
 
-/* One texel's samples, [view][channel][light], or their roots, at one pair. */
+/* Interpolates one texel's samples, [view][channel][light], or their roots, at one pair. */
 static void blend(const pair_weights *w, const float *samples, size_t lights, bool roots, float out[3]) {
     for (size_t c = 0; c < 3; c++) {
         float sum = 0;

@@ -34,13 +34,13 @@ void bench_between_destroy(bench_between **between);
 /* Whether a set can be measured: false for truth that is not known, and where no direction can be left out. */
 bool bench_between_has(const bench_between *between, bench_between_set set);
 
-/* A material of the data's directions, by the reference decoder. Errors: BTF_ERROR_MEMORY,
+/* Measures a material that has the data's directions, by the reference decoder. Errors: BTF_ERROR_MEMORY,
  * BTF_ERROR_INTERRUPTED. */
 btf_result bench_between_material(const enc_context *context, const bench_between *between,
                                   const btf_ref_material *material, const btf_ref_options *options,
                                   bench_between_figures out_figures);
-/* Images at the data's directions, such as a codec decodes, interpolated. The same bits for any number of
- * threads. Errors: those of enc_interpolator_create and of the images, BTF_ERROR_MEMORY,
+/* Measures interpolated images: `images` at the data's directions, such as a codec decodes. The same bits for any
+ * number of threads. Errors: those of enc_interpolator_create and of the images, BTF_ERROR_MEMORY,
  * BTF_ERROR_INTERRUPTED. */
 btf_result bench_between_images(const enc_context *context, const bench_between *between,
                                 const enc_data *images, enc_interpolation kind,

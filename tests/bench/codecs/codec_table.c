@@ -29,7 +29,7 @@ void codec_table_clear(codec_table *table) {
     *table = (codec_table){0};
 }
 
-/* Our whole materials against the best figure of any peer. */
+/* Prints by how much our whole materials lead over the best figure of any peer. */
 static void print_lead(const codec_table *table, FILE *out) {
     codec_row best = {0};
     for (size_t i = 0; i < table->count; i++) {
@@ -119,7 +119,7 @@ static int by_bytes(const void *a, const void *b) {
     return ((*x)->bytes > (*y)->bytes) - ((*x)->bytes < (*y)->bytes);
 }
 
-/* The points that `name` starts, in order of bytes, as a data block of gnuplot. Returns their number. */
+/* Writes the rows whose name begins with `name`, by rising bytes, as a data block of gnuplot. Returns their number. */
 static size_t write_block(const codec_table *table, const char *block, const char *name, FILE *script) {
     const codec_row **rows = malloc((table->count + 1) * sizeof *rows);
     size_t count = 0;

@@ -21,7 +21,7 @@ typedef struct codec_ring {
 typedef struct codec_row {
     codec_kind kind;
     char name[64];
-    bool srgb_coded;  /* peers: what was factorised */
+    bool srgb_coded;  /* peers: sRGB-coded values were factorised */
     int eight_bit_of; /* 1 + pca_coding of a whole PCA in 8 bits, else 0 */
     size_t rank;      /* components; 0: has none */
     size_t bytes;     /* on the GPU */
@@ -30,7 +30,7 @@ typedef struct codec_row {
     double wall, core; /* seconds of encoding; for PCA the factorisation that serves all ranks */
 } codec_row;
 
-/* The rank and bytes that PCA needs to equal a row of ours. */
+/* The rank and bytes with which PCA reaches the quality of a row of ours. */
 typedef struct codec_equal {
     size_t row;      /* of the table */
     bool srgb_coded; /* equal in sRGB-coded PSNR, else in linear */

@@ -1,5 +1,5 @@
-/* Section `codecs`: our methods and their peers at the same bytes, and the bytes that PCA needs for our
- * quality. Section `lowbit`: the best peer alone.
+/* Section `codecs`: our methods and their peers at the same bytes, and the bytes with which PCA reaches our quality.
+ * Section `lowbit`: the best peer alone.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -22,7 +22,7 @@ static const size_t cluster_counts[] = {8, 16, 32};
 static const double curve_parts[] = {0.1, 0.3, 2.0, 4.0};
 static const double rank_tolerance = 0.01;
 
-/* The worst of some rings. */
+/* The ring of lowest PSNR. */
 static codec_ring worst(int count, const double *theta, const enc_error_sum *sums) {
     codec_ring ring = {.linear = HUGE_VAL, .srgb = HUGE_VAL};
     for (int i = 0; i < count; i++) {
@@ -63,7 +63,7 @@ static size_t components_of(const btf_material_info *info) {
     return info->store == BTF_STORE_FACTORS ? count : info->components;
 }
 
-/* One row a subset of effects: subsets[i] named names[i], the last one whole. */
+/* Adds a row for each subset of effects: subsets[i] is named names[i]; the last one is the whole material. */
 static btf_result measure_encoded(const bench_run *run, const bench_encoded *encoded, int count,
                                   const char *const *names, const uint32_t *subsets, codec_table *table) {
     btf_material_info info = {.struct_size = sizeof info};
@@ -115,13 +115,13 @@ static btf_result run_paper(const bench_run *run, codec_table *table) {
     return result;
 }
 
-/* A factorisation and what it took. */
+/* A factorisation and the time that it took. */
 typedef struct factors {
     pca_factors f;
     double wall, core;
 } factors;
 
-/* Measures and clears the codec. */
+/* Makes a codec of the factorisation, and measures and frees it. */
 static btf_result measure_pca(const bench_run *run, const factors *from, codec_kind kind, pca_number number,
                               pca_codec *codec, double wall, double core, codec_row *row) {
     *row = (codec_row){.kind = kind,
@@ -173,7 +173,8 @@ static double own_psnr(const codec_row *row) {
     return row->srgb_coded ? row->srgb : row->linear;
 }
 
-/* The measured rows next to `target`: 8-bit components of the factorisation's coding, too few and enough. */
+/* Finds the two measured rows next to `target` dB: 8-bit components in the factorisation's coding, too few of them in
+ * *low, enough in the other. */
 static void bracket(const codec_table *table, const factors *from, double target, codec_row *low,
                     codec_row *high) {
     *low = *high = (codec_row){0};
@@ -282,7 +283,7 @@ static btf_result run_pca(const bench_run *run, pca_coding coding, uint64_t budg
     return result;
 }
 
-/* The axes of opponent colour apart, in 8 bits alone or in as few as pay. */
+/* The peer that codes the axes of opponent colour apart, in 8 bits alone or in as few bits as pay. */
 static btf_result run_split(const bench_run *run, uint64_t budget, bool eight_only, codec_row *row) {
     enum { SWEEPS = 6 };
     const lowbit_options options = {(size_t)budget, eight_only, SWEEPS};
@@ -304,7 +305,7 @@ static btf_result run_split(const bench_run *run, uint64_t budget, bool eight_on
     return result;
 }
 
-/* Both, into the table. */
+/* Adds both of these peers to the table. */
 static btf_result run_splits(const bench_run *run, uint64_t budget, codec_table *table) {
     btf_result result = BTF_OK;
     for (int eight_only = 0; eight_only < 2 && result == BTF_OK; eight_only++) {

@@ -12,13 +12,13 @@
 
 static const double held_theta = 45;
 
-/* Indices into a list of directions. */
+/* Chosen directions, as indices into a list. */
 typedef struct choice {
     int index[ENC_MAX_DIRECTIONS];
     int count;
 } choice;
 
-/* The ring of several directions nearest to 45 degrees loses every second one to `held`. */
+/* Splits a list: of the ring of several directions nearest to 45 degrees, every second one goes to `held`. */
 static void split(const enc_direction *directions, int count, choice *train, choice *held) {
     double theta[ENC_MAX_DIRECTIONS];
     int ring_of[ENC_MAX_DIRECTIONS], members[ENC_MAX_DIRECTIONS] = {0}, ring = -1, position = 0;

@@ -1,6 +1,6 @@
-/* Section `holdout`: what lies between the samples. Every second azimuth of the ring at 45 degrees is left
- * out of the encoding, as views and as lights; the material is decoded there by the reference decoder and
- * compared with the truth, beside the original images interpolated with the same neighbours and weights.
+/* Section `holdout`: accuracy at directions that were not encoded. Every second azimuth of the ring at 45 degrees is
+ * left out of the encoding, as views and as lights. There the reference decoder's result is compared with the truth,
+ * and so are the original images interpolated with the same neighbours and weights.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -71,7 +71,7 @@ static btf_result decoded_row(const bench_run *run, const bench_held *held, cons
     return result;
 }
 
-/* Encodes with one preset and fills its rows; the first one also those of the original images. */
+/* Encodes with one preset and fills its rows; the first preset also fills those of the original images. */
 static btf_result run_preset(const bench_run *run, const bench_held *held, int preset, held_row *rows,
                              int *count) {
     bench_encoded encoded;

@@ -12,8 +12,8 @@
 
 enum {
     LANES = 96,       /* texels or columns that one thread refines at a time */
-    REFIT_SWEEPS = 3, /* of u against rounded w, before u is rounded */
-    BISECTIONS = 60,  /* of the price of a byte */
+    REFIT_SWEEPS = 3, /* sweeps that fit u to the rounded w, before u is rounded */
+    BISECTIONS = 60,  /* steps of the search for the price of a byte */
     SCALE_BYTES = 4,  /* a component's scale of u, and another of w */
     VIEW_BYTES = 1,   /* a view's factor, for each axis and number of bits of w */
     TIERS = 3,
@@ -21,27 +21,27 @@ enum {
 
 static const uint8_t tier_bits[TIERS] = {8, 4, 2};
 
-/* Error that rounding to so many bits leaves, over the energy of the component: measured on factors of
- * several materials with the scales below; the optimum is flat. */
+/* The squared error of rounding to so many bits, relative to the component's energy: measured on factors of several
+ * materials (which ones was not recorded) with the scales below. The optimum is flat, so that other values change
+ * little. */
 static double rounding_error(int bits, bool of_u) {
     return bits == 8 ? 6e-5 : bits == 4 ? (of_u ? 0.016 : 0.0135) : 0.13;
 }
 
-/* Levels of a factor: 8 bits are signed steps with a zero, 4 and 2 bits lie midway, so that both signs have
- * as many. The largest has this many steps. */
+/* The largest level of a factor, in steps. In 8 bits levels are whole steps and include 0; in 4 and 2 bits they are the
+ * odd steps, so that there are as many of each sign. */
 static float top_level(int bits) {
     return bits == 8 ? 127 : bits == 4 ? 15 : 3;
 }
 
-/* The level next to `x`, in steps. */
+/* The level nearest to `x`, in steps. */
 static float nearest_level(int bits, float x) {
     const float top = top_level(bits);
     const float level = bits == 8 ? rintf(x) : 2 * rintf(0.5f * (x - 1)) + 1;
     return level > top ? top : level < -top ? -top : level;
 }
 
-/* Allocation.
- * ------------------------------------------------------------------------------------------------ */
+/* --- allocation --- */
 
 typedef struct choice {
     uint8_t bits_u, bits_w; /* 0: dropped */
@@ -75,7 +75,7 @@ static choice cheapest(const allocation *a, double energy, double price) {
     return best;
 }
 
-/* Bytes of all components when each is chosen at this price of a byte. */
+/* Chooses the bits of each component at this price of a byte; returns the bytes of all components. */
 static size_t allocate_at(const allocation *a, double price) {
     size_t bytes = 0;
     for (int p = 0; p < 3; p++) {
@@ -92,7 +92,7 @@ static size_t allocate_at(const allocation *a, double price) {
 static void allocate(const allocation *a, size_t budget) {
     double low = 0, high = 1;
     for (int p = 0; p < 3; p++) {
-        high += a->rank[p] > 0 ? a->energy[p][0] : 0; /* nothing is worth that much */
+        high += a->rank[p] > 0 ? a->energy[p][0] : 0; /* at this price no component is worth a byte */
     }
     if (allocate_at(a, low) <= budget) {
         return;
@@ -108,11 +108,10 @@ static void allocate(const allocation *a, size_t budget) {
     allocate_at(a, high);
 }
 
-/* Rounding.
- * ------------------------------------------------------------------------------------------------ */
+/* --- rounding --- */
 
-/* One axis while its factors are found. Factors lie component by component, so that texels and columns are
- * neighbours in memory. */
+/* One axis of opponent colour while its factors are found. Factors are stored component by component, so that texels,
+ * or columns, are contiguous. */
 typedef struct axis {
     const enc_context *context;
     size_t texels, columns, views, lights, rank;
@@ -162,9 +161,9 @@ static void find_product(const axis *a, bool of_texels, float *panels) {
     }
 }
 
-/* How values of one component are rounded in the lanes at hand. */
+/* The rounding of one component in the current lanes. */
 typedef struct rounding {
-    int bits; /* 0: not at all */
+    int bits; /* 0: values are not rounded */
     const float *step;
 } rounding;
 
@@ -221,7 +220,7 @@ static void refine_lanes(const axis *a, size_t first, size_t n, size_t count, co
     }
 }
 
-/* u against w that is held, by sweeps; `round`: to levels. */
+/* Refines u by sweeps while w is fixed; with `round`, to levels. */
 static void refine_u(const axis *a, int sweeps, bool round, float *panels, float *work) {
     find_gram(a, a->w, a->columns, panels);
     find_product(a, true, panels);
@@ -264,8 +263,8 @@ static void refine_w(const axis *a, int sweeps, float *panels, float *work) {
     }
 }
 
-/* The step whose levels leave the least error over values that have been divided by `divisor` (NULL: 1),
- * which count with its square: the largest value at the top level, or one below, which cuts off. */
+/* The step whose levels leave the least squared error over values that were divided by `divisor` (NULL: 1) and count
+ * with its square. Tried are the step that puts the largest value at the top level, and smaller ones that clip it. */
 static float best_step(int bits, size_t count, const float *x, const float *divisor, size_t run) {
     static const float parts[] = {1, 0.85f, 0.7f, 0.6f, 0.5f, 0.42f, 0.35f, 0.28f, 0.22f};
     float most = 0, best = 0;
@@ -361,7 +360,7 @@ static void load_samples(const enc_context *context, const enc_data *data, pca_p
     }
 }
 
-/* Takes the chosen components of an axis, u and w of equal power, into the codec, still unrounded. */
+/* Copies the chosen components of an axis into the codec, unrounded, scaled so that u and w have equal power. */
 static bool take_components(const pca_factors *f, const double *energy, const choice *chosen,
                             lowbit_plane *out) {
     for (size_t j = 0; j < f->rank; j++) {
@@ -438,7 +437,7 @@ static btf_result encode_axis(const enc_context *context, const enc_data *data, 
     return result;
 }
 
-/* Bytes of the views' factors: an axis has those of the bits that its w has. */
+/* The bytes of the views' factors: an axis has a set for each number of bits that its w uses. */
 static size_t view_bytes(const lowbit_codec *codec) {
     size_t bytes = 0;
     for (int p = 0; p < 3; p++) {
@@ -510,7 +509,7 @@ static btf_result encode_planes(const enc_context *context, const enc_data *data
     return result;
 }
 
-/* Components worth looking at: those of the fewest bits that the budget would hold. */
+/* The most components that could be worth computing: as many as the budget holds in the fewest bits. */
 static size_t most_rank(const enc_data *data, const lowbit_options *options) {
     const size_t texels = enc_data_texel_count(data), columns = enc_data_texel_stride(data) / 3;
     const size_t each = (texels + columns) * (options->eight_only ? 8 : 2) / 8 + 2 * SCALE_BYTES;
@@ -558,10 +557,9 @@ size_t lowbit_rank(const lowbit_codec *codec, pca_plane plane) {
                             : codec->plane[0].rank + codec->plane[1].rank + codec->plane[2].rank;
 }
 
-/* Decoding.
- * ------------------------------------------------------------------------------------------------ */
+/* --- decoding --- */
 
-/* out [light][texel][3] from the three axes of a view, each [texel][light]. */
+/* Composes out [light][texel][3] from the three axes of a view, each [texel][light]. */
 static void compose(size_t texels, size_t lights, float *const axes[3], float *out) {
     for (size_t t = 0; t < texels; t++) {
         for (size_t l = 0; l < lights; l++) {

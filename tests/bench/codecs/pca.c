@@ -54,7 +54,7 @@ void pca_encode_samples(const enc_data *data, pca_coding coding, pca_plane plane
     }
 }
 
-/* Coded data, block after block, and the products that a subspace iteration is made of. */
+/* The coded data, read block by block, and the products of a subspace iteration. */
 typedef struct matrix {
     const enc_context *context;
     const enc_data *data;
@@ -182,7 +182,7 @@ static void orthonormalise(int threads, size_t rows, size_t n, float *y, double 
             a[p * n + p] += 1e-11 * trace + 1e-30;
         }
         const bool solved = enc_cholesky(n, a);
-        assert(solved); /* a Gram matrix with a positive diagonal added */
+        assert(solved); /* a Gram matrix plus a positive diagonal is positive definite */
         (void)solved;
 #pragma omp parallel for num_threads(threads)
         for (size_t first = 0; first < rows; first += SOLVE_ROWS) {
@@ -203,8 +203,8 @@ static void orthonormalise(int threads, size_t rows, size_t n, float *y, double 
     }
 }
 
-/* From y (orthonormal) and z = data^T y to u and v: the eigenvectors of z^T z turn both. a [2][n][n],
- * values [n]. */
+/* Makes u and v of y (orthonormal) and z = data^T y, by rotating both with the eigenvectors of z^T z. Scratch: a
+ * [2][n][n], values [n]. */
 static bool finish(const matrix *m, const float *y, const float *z, double *a, double *values,
                    pca_factors *f) {
     const size_t n = m->width, rank = f->rank;
@@ -258,7 +258,7 @@ static void fill_random(size_t count, float *out) {
     }
 }
 
-/* Texels of `list`, all where it is NULL, on the columns of `plane`. */
+/* Factorises the texels of `list` (NULL: all) on the columns of `plane`. */
 static btf_result factorise(const enc_context *context, const enc_data *data, const uint32_t *list,
                             size_t count, pca_plane plane, pca_coding coding, size_t rank,
                             pca_factors *out_factors) {

@@ -13,8 +13,8 @@
 #include <string.h>
 
 enum {
-    CLUSTER_STEPS = 8,  /* times that texels choose their cluster anew */
-    CLUSTER_SPACE = 64, /* global components that this is done in */
+    CLUSTER_STEPS = 8,  /* rounds in which texels choose their cluster anew */
+    CLUSTER_SPACE = 64, /* global components that span the space in which they choose */
 };
 
 size_t pca_bytes(const enc_data *data, pca_number number, size_t clusters, size_t rank) {
@@ -111,19 +111,19 @@ btf_result pca_encode(const enc_context *context, const pca_factors *factors, pc
     return BTF_OK;
 }
 
-/* Clusters of texels in the space of the leading components.
- * ------------------------------------------------------------------------------------------------ */
+/* --- clusters of texels in the space of the leading components --- */
 
 typedef struct grouping {
     const pca_factors *factors;
     size_t space, clusters, rank; /* rank of a cluster's basis in that space */
     uint8_t *cluster;             /* [texel] */
     float *basis;                 /* [cluster][rank][space] */
-    double *work;                 /* a thread: 2 space^2 + space */
+    double *work;                 /* [thread][2 space^2 + space] */
     double *distance;             /* [texel] */
 } grouping;
 
-/* Starts: texels far apart, each the farthest from those before; every texel goes to the nearest. */
+/* Start values: texels that are far apart, each the farthest from those before (T. Gonzalez, 1985); every other texel
+ * joins the nearest. */
 static void far_starts(const grouping *g) {
     const pca_factors *f = g->factors;
     size_t centre = 0;
@@ -272,8 +272,7 @@ btf_result pca_encode_clusters(const enc_context *context, const pca_factors *fa
     return result;
 }
 
-/* Decoding.
- * ------------------------------------------------------------------------------------------------ */
+/* --- decoding --- */
 
 static float decode_value(pca_coding coding, float y) {
     if (!(y > 0)) {

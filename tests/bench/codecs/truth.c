@@ -1,4 +1,4 @@
-/* Images that are true between the samples. See truth.h.
+/* Images of the truth between the samples. See truth.h.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* Images that are true between the samples: ray-cast for the built-in reliefs, read for data sets.
+/* Images at directions between the samples that show the truth: ray-cast for the built-in reliefs, read for data sets.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -54,7 +54,7 @@ static btf_result bench_variant(bench *b, const char *name, const btf_material *
     return row->ns > 0 ? BTF_OK : BTF_ERROR_INTERNAL;
 }
 
-/* A peer on textures of its own, two at most; the library's text gives it neighbours. */
+/* Times a peer on textures of its own, two at most. The library's shader text finds its neighbours. */
 static void bench_peer(bench *b, const char *name, const btf_material *material, const char *body,
                        const char *const samplers[2], const unsigned textures[2]) {
     btf_shader_options shader = {.leave_out = BTF_EFFECT_ALL, .math = BTF_MATH_FAST};
@@ -143,8 +143,7 @@ static btf_result bench_loading(bench *b, const btf_material *material) {
     return result;
 }
 
-/* Factors of 2.36, 1.26 and 0.68 MB, then the first with a source of its own for each view, and with what
- * acts between the samples. */
+/* Factors of 2.36, 1.26 and 0.68 MB; then the first with a source for each view, and with relief and gloss. */
 static btf_result bench_factors(bench *b) {
     static const struct {
         const char *name;
@@ -248,7 +247,7 @@ static btf_result bench_variants(bench *b) {
         result = bench_variant(b, tights[i].name, tight, tights[i].shader);
     }
     btf_material_close(&tight);
-    /* Sources of the residual alone, under shifts. */
+    /* a residual without an SBRDF, with shifts */
     spec.colour = BTF_COLOUR_NONE;
     spec.lobes = 0;
     spec.effects = BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL;

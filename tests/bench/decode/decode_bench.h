@@ -1,4 +1,4 @@
-/* Times decoding on this machine's GPU context, beside its floor and its peers.
+/* Times decoding on this machine's GPU context, and for comparison its fetches alone (the floor) and its peers.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* The cost of decoding a pixel, counted by formula: fetches, their bytes, and operations.
+/* The cost of decoding a pixel, counted by formulas: fetches, their bytes, and operations.
  *
  * Of materials the counts are those of the cost model of plans (openbtf/cost.h): fetches of their textures but the
  * direction tables, and the sums of SBRDF, shadow and residual. The look-up of directions, the cosine, clamp and blend of

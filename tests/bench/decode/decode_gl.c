@@ -57,10 +57,12 @@ static void run_floor(decoding *d, decode_rig *rig, const char *device, const de
 /* Bits of a way to decode: nearest directions, bilinear texels, native mathematics, steep texels. */
 enum { WAYS = 9 };
 
-/* Whether a subset is decoded in this way: all of them in every way where `all`; else the whole in both
- * interpolations of texels, and on the first device whatever is exact there. Directions that never change
- * and parts of factors are decoded in one way; so are further factors where not all is wanted, on the first
- * device natively too. Relief: exact, on the first device, by each filter. */
+/* Whether a subset is decoded in this way. Every device decodes the whole material by texels, with both interpolations of
+ * directions and both kinds of mathematics; the first device also by the bilinear filter, and the other subsets exactly
+ * by texels. With `all`, every device decodes every subset in every way but `steep`. Exceptions:
+ *  - the material with relief: exactly and interpolated, on the first device, the whole by each filter;
+ *  - fixed directions and parts of factors: in way 0, on the first device;
+ *  - further factors, without `all`: in way 0, on the first device also in native mathematics. */
 static bool is_run(const decoding *d, const decode_material *m, int s, int way, bool all) {
     const decode_subset *of = &m->subsets[s];
     const bool first = d->table->devices == 1;
@@ -97,7 +99,7 @@ btf_result decode_gl_material(decoding *d, decode_rig *rig, const char *device, 
         }
     }
     if (strcmp(m->name, DECODE_RELIEF) == 0) {
-        return result; /* where its fetches are depends on the heights */
+        return result; /* no floor: the places of its fetches depend on the heights */
     }
     rig_floor_inputs(m->encoded.material, rig->inputs, d->floor);
     run_floor(d, rig, device, m, (btf_shader_options){0});

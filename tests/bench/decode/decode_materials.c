@@ -49,7 +49,7 @@ static const struct {
     {DECODE_PAPER, BENCH_METHOD_PAPER, SUBSETS(paper)},
     {DECODE_RELIEF, BENCH_METHOD_JOINT, SUBSETS(moved)}};
 
-/* DECODE_MATERIALS: not there. */
+/* Returns the index of the material of this name, or DECODE_MATERIALS if there is none. */
 static int index_of(const decode_material *materials, const char *name) {
     int i = 0;
     while (i < DECODE_MATERIALS && !(materials[i].name && strcmp(materials[i].name, name) == 0)) {
@@ -84,7 +84,8 @@ static int preset_of(const bench_run *run) {
     return run->presets_given ? preset : ENC_PRESET_MEDIUM;
 }
 
-/* The default's, or none where it finds neither relief nor gloss, or the preset looks for neither. */
+/* Encodes with the relief and gloss that the default finds. There is no material where it finds neither, or the preset
+ * does not search. */
 static btf_result encode_relief(const bench_run *run, uint64_t budget, decode_material *m) {
     const enc_relief_options options = {.relief = true, .gloss = -1};
     const int preset = preset_of(run);
@@ -106,7 +107,7 @@ static btf_result encode_relief(const bench_run *run, uint64_t budget, decode_ma
     if (relief_only) {
         m->subsets = relief_found;
     } else if (!(store.effects & BTF_EFFECT_RELIEF) && m->name) {
-        m->subsets = gloss_alone; /* left out as both are */
+        m->subsets = gloss_alone; /* the subsets leave out gloss where others leave out both */
         m->count = 2;
     }
     enc_relief_clear(&store);

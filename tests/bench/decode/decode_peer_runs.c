@@ -95,7 +95,7 @@ static btf_result run_pca(decoding *d, decode_rig *rig, const char *device, cons
     return result;
 }
 
-/* The smallest rank of 8-bit components that reaches the linear PSNR; none where they do not. */
+/* Finds the smallest rank of 8-bit components that reaches the linear PSNR; *out stays empty where none does. */
 static btf_result find_quality(decoding *d, const pca_factors *factors, double target, peer_codec *out) {
     const enc_data *data = d->run->held->train;
     const enc_context *context = d->run->context;

@@ -13,8 +13,8 @@
 
 static const double phong_exponent = 40; /* that of the shader */
 
-/* g of least sum over samples of (luminance - max(g . l, 0))^2, taken as linear in g: g = albedo * normal.
- */
+/* Photometric stereo (R. Woodham, 1980): finds g = albedo * normal with the least sum over samples of (luminance - g .
+ * l)^2. */
 static void fit_normal(const enc_data *data, const float *samples, double normal[3]) {
     const int lights = data->n_lights;
     double a[3][4] = {{0}};
@@ -31,7 +31,7 @@ static void fit_normal(const enc_data *data, const float *samples, double normal
             a[i][3] += mean * data->lights[l].xyz[i];
         }
     }
-    /* Gauss and Jordan, with a little of the pole so that few lights do. */
+    /* Gauss-Jordan elimination; a small weight of the pole keeps the system solvable with few lights */
     for (int i = 0; i < 3; i++) {
         a[i][i] += 1e-6 * lights;
     }
@@ -57,7 +57,7 @@ static double dot3(const double a[3], const float b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Albedo of a texel, and its part of the sums that give the strength of the highlight. */
+/* Fits the albedo of a texel, and adds its part to the sums that give the strength of the highlight. */
 static void fit_albedo(const enc_data *data, const float *samples, const double normal[3], double albedo[3],
                        double sums[2]) {
     const int lights = data->n_lights;
@@ -169,7 +169,7 @@ btf_result peer_images(const enc_context *context, const enc_data *data, int *ou
     return result;
 }
 
-/* The step of numbers that were rounded to multiples of it, the largest being 127 of them. */
+/* The step of numbers that were rounded to multiples of it; the largest of them is 127 steps. */
 static float step_of(const float *x, size_t count, size_t pitch) {
     float range = 0;
     for (size_t i = 0; i < count; i++) {

@@ -1,4 +1,4 @@
-/* Decoders of others, fitted to the data: a Phong model on two maps, an uncompressed look-up, principal
+/* Data for the decoders of peers, fitted to a data set: a Phong model on two maps, an uncompressed look-up, principal
  * components.
  *
  * SPDX-License-Identifier: MIT

@@ -18,7 +18,7 @@ void decode_probes_clear(decode_probes *p) {
     *p = (decode_probes){0};
 }
 
-/* The middle of texel t, a hair further: u * 2^18 is rounded down. */
+/* The centre of texel t, moved by a little, because u * 2^18 is rounded down. */
 static void probe_input(int width, int height, size_t t, const enc_direction *light,
                         const enc_direction *view, uint32_t *out) {
     const float u = ((float)(t % (size_t)width) + 0.5f) / (float)width + 0x1p-18f;
@@ -38,7 +38,7 @@ btf_result decode_probes_create(const enc_context *context, const enc_data *data
                             ? BTF_OK
                             : enc_fail(context, BTF_ERROR_MEMORY, "bench: out of memory for samples");
     for (size_t i = 0; i < DECODE_PROBES && result == BTF_OK; i++) {
-        /* Evenly over texels, so that each is read once. */
+        /* spread evenly over texels, so that none is read twice */
         const size_t t = i * texels / DECODE_PROBES, view = random_bits(&random) % (uint64_t)data->n_views,
                      light = random_bits(&random) % lights;
         const float *samples;

@@ -11,7 +11,7 @@
 
 enum { DECODE_PROBES = RIG_PIXELS };
 
-/* Samples as inputs of a shader, and what should come out. */
+/* Samples as inputs of a shader, and the expected outputs. */
 typedef struct decode_probes {
     uint32_t *inputs; /* [DECODE_PROBES][GPU_INPUTS]; NULL: none */
     float *truth;     /* [DECODE_PROBES][3] */

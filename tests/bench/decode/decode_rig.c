@@ -102,8 +102,8 @@ static double seconds(const decode_rig *rig) {
     return rig->software ? rig_core_seconds() : rig_wall_seconds();
 }
 
-/* The number of times a picture is drawn, so that the clock can tell: as many pixels for small ones, and on a GPU
- * until it takes long beside the wait for it. 0: failed. */
+/* How often a picture is drawn for one measurement: small pictures so often that all have the same number of pixels; on
+ * a GPU until drawing takes long compared with waiting for it. 0: failed. */
 static int draws_of(const decode_rig *rig, unsigned program, int side) {
     static const double long_enough = 0.02; /* seconds */
     int draws = 2 * (RIG_SIDE / side) * (RIG_SIDE / side);

@@ -1,4 +1,4 @@
-/* A GL device with inputs to decode: what the sections on decoding measure with.
+/* A GL device with inputs to decode, on which the sections on decoding measure.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -16,7 +16,7 @@ typedef struct decode_rig {
     const btf_log *log;
     int repeats;
     bool have_precise; /* for btf_shader_options */
-    bool software;     /* drawn by the processor: times are core times; else by the clock */
+    bool software;     /* the processor draws, so times are core times; else times of the clock */
     uint32_t *inputs;  /* [RIG_PIXELS][GPU_INPUTS]: u, v, light, view of a sphere that fills the grid */
     uint32_t *outputs; /* [RIG_PIXELS][GPU_OUTPUTS] */
 } decode_rig;
@@ -33,7 +33,7 @@ double rig_wall_seconds(void);
 /* Pixel i of the sphere as u, v, light, view. */
 void rig_sphere_pixel(int i, float out[8]);
 
-/* The inputs of floor shaders for pixels as in decode: texel, neighbours and table addresses. */
+/* Makes the inputs of floor shaders for the same pixels as `decode`: texel, neighbours and table addresses. */
 void rig_floor_inputs(const btf_material *material, const uint32_t *decode, uint32_t *floor);
 
 /* Draws a program over RIG_PIXELS inputs, side x side of them, after one run that compiles; returns ns a

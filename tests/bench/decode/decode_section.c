@@ -1,8 +1,6 @@
-/* Section `decode`: what accuracy costs per pixel, for every set of effects, directions, filter and kind of
- * mathematics, on every GL device and on the CPU, beside peers. All of it is measured in one process.
- *
- * Accuracy is that of the device's own pixels: samples drawn at random from the data are decoded by the
- * very shader that is timed.
+/* Section `decode`: time per pixel and accuracy for every set of effects, directions, filter and kind of mathematics,
+ * on every GL device and on the CPU, and those of peers. All of it is measured in one process. * Accuracy is that of
+ * the device's own pixels: samples drawn at random from the data are decoded by the same shader that is timed.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -48,7 +46,7 @@ static btf_result run_device(decoding *d, const context_device *device) {
     return result;
 }
 
-/* --quick: one of each language that keeps exactness in another way. */
+/* With --quick, one device for each shading language, since each keeps arithmetic exact in another way. */
 static bool in_quick(const context_device *device) {
     static const char *const names[] = {"osmesa", "egl", "egl-es300", "glfw"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
@@ -59,8 +57,8 @@ static bool in_quick(const context_device *device) {
     return false;
 }
 
-/* Every device but softpipe: OSMesa takes one driver a process, and that one only interprets shaders. The
- * devices that name no driver get what the user's environment says. */
+/* Runs every device but softpipe: OSMesa can load one driver a process, and softpipe only interprets shaders. Devices
+ * that name no driver use that of the user's environment. */
 static btf_result run_devices(decoding *d) {
     const char *set = getenv("GALLIUM_DRIVER");
     char *users = set ? strdup(set) : NULL;

@@ -1,4 +1,4 @@
-/* GLSL of the decode benchmark: bodies for gpu_program, each `uvec4 check(uvec4 a, uvec4 b)`.
+/* GLSL of the decode benchmark: bodies for gpu_program, each of which defines `uvec4 check(uvec4 a, uvec4 b)`.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -13,9 +13,9 @@ static const char bench_body_decode[] =
     "    return uvec4(floatBitsToUint(btf_evaluate(uv, l, uintBitsToFloat(b.yzw))), 0u);\n"
     "}\n";
 
-/* The same fetches, added up: texel in a.xy; of views, then lights, the first two neighbours in a.zw, the
- * third and the records that a look-up tries in b.xy, the addresses of the first records in b.zw. With
- * bilinear texels it takes the texel and those to the right and below. */
+/* The floor: makes the same fetches and adds them up. Inputs: the texel in a.xy; for views, then lights, the first two
+ * neighbours in a.zw, the third and the number of records that a look-up tries in b.xy, the addresses of the first
+ * records in b.zw. For bilinear filtering it reads the texel and those to the right and below. */
 static const char bench_body_floor[] =
     "uint floor_table(highp usampler2D table, uint first, uint tried) {\n"
     "    uvec4 sum = btf_table(table, first >> 1u);\n"
@@ -159,7 +159,7 @@ static const char bench_body_phong[] =
     "    return uvec4(floatBitsToUint(colour), 0u);\n"
     "}\n";
 
-/* Images, a layer a view, each a sheet of lights. */
+/* Uncompressed images: a layer a view, each a sheet of the images of all lights. */
 static const char bench_body_lookup[] =
     "uniform highp sampler2DArray peer_images;\n"
     "uvec4 check(uvec4 a, uvec4 b) {\n"

@@ -96,7 +96,7 @@ static void print_pair(double linear, double srgb, FILE *out) {
     }
 }
 
-/* The time over that of another row; nothing where that is NULL. */
+/* Prints the time divided by that of row `of`; nothing where that is NULL. */
 static void print_times(const decode_row *r, const decode_row *of, FILE *out) {
     if (of) {
         fprintf(out, " %.2f |", r->ns / of->ns);
@@ -109,7 +109,7 @@ static void print_cost(const decode_cost *cost, FILE *out) {
     fprintf(out, " %.0f | %.0f | %.0f | %.0f |", cost->fetches, cost->bytes, cost->integers, cost->floats);
 }
 
-/* The same fetches alone; NULL: not measured. */
+/* The row of the same fetches alone; NULL: not measured. */
 static const decode_row *floor_of(const decode_table *table, const decode_row *r) {
     return strcmp(r->effects, "whole") != 0 ? NULL
                                             : decode_table_find(table, r->device, r->material, DECODE_FLOOR,
@@ -178,7 +178,7 @@ static void print_sizes(const decode_table *table, FILE *out) {
     fputc('\n', out);
 }
 
-/* Where the time of a whole pixel goes on the first device: found by leaving things out of the shader. */
+/* Prints how the time of a pixel splits up on the first device, found by leaving parts out of the shader. */
 static void print_places(const decode_table *table, FILE *out) {
     static const char *const materials[] = {DECODE_JOINT, DECODE_HALF_JOINT, DECODE_PAPER};
     enum { MATERIALS = sizeof materials / sizeof *materials };
@@ -205,8 +205,7 @@ static void print_places(const decode_table *table, FILE *out) {
     fputc('\n', out);
 }
 
-/* Format 2 beside format 1.
- * ------------------------------------------------------------------------------------------------ */
+/* --- format 2 beside format 1 --- */
 
 static void print_version(const decode_table *table, const decode_row *r, FILE *out) {
     const decode_row *paper = decode_table_find(table, r->device, DECODE_PAPER, r->effects, r->nearest,
@@ -253,7 +252,7 @@ typedef struct shown {
     int fast; /* 0, 1; -1: either */
 } shown;
 
-/* Fast ones are not in the README's plot. */
+/* The series of the plots; those of fast math are not in the README's. */
 static const shown series[] = {{DECODE_JOINT, "joint, exact", 0},
                                {DECODE_JOINT, "joint, fast math", 1},
                                {DECODE_HALF_JOINT, "joint, half the bytes, exact", 0},
@@ -264,7 +263,7 @@ static const shown series[] = {{DECODE_JOINT, "joint, exact", 0},
                                {"PCA", "PCA, 8 bit", -1},
                                {"uncompressed", "uncompressed, 3 x 3 images", -1}};
 
-/* Relief and gloss, decoded or left out, and by which filter. */
+/* The label of a row of the material with relief and gloss: which of them is decoded, and the filter. */
 static const char *relief_label(const decode_row *r, bool whole) {
     static const char *const with[] = {"relief", "relief; bilinear", "relief; steep"};
     static const struct {
@@ -315,7 +314,7 @@ static btf_result decode_plot(const bench_run *run, const decode_table *table, c
             const decode_row *r = &table->rows[i];
             if (strcmp(r->device, device) == 0 && strcmp(r->material, series[s].material) == 0 &&
                 (series[s].fast < 0 || series[s].fast == r->fast)) {
-                /* Uncompressed data are as good as its 8 bits, and would hide all else. */
+                /* uncompressed data are so accurate that their mark would squeeze all others together */
                 const double whole = strcmp(r->material, "uncompressed") == 0 ? NAN : 1;
                 const int seen = decode_seen(r);
                 const double of_seen = seen > 0 ? 1 : whole, linear = whole * r->linear[0];

@@ -18,7 +18,7 @@ typedef struct decode_row {
     char device[24], material[40], effects[40];
     bool nearest, fast, peer;
     btf_filter filter;
-    bool estimated;            /* truth between the samples is an estimate */
+    bool estimated;            /* the figures between the samples are estimates */
     int side;                  /* of the picture, where that is what changes; else 0 */
     double gpu_bytes;          /* of the whole material */
     bool counted;              /* has a cost */

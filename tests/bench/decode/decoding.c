@@ -21,7 +21,7 @@ static bool estimates(const decoding *d) {
     return d->run->truth->count == 0 && bench_between_has(d->run->between, BENCH_ESTIMATE);
 }
 
-/* Whether another row has it already, whatever the device, filter and mathematics. */
+/* Copies the estimate from a row that has it already, of any device and mathematics; false if there is none. */
 static bool estimated_before(const decoding *d, decode_row *row) {
     for (int i = 0; i < d->table->count; i++) {
         const decode_row *r = &d->table->rows[i];

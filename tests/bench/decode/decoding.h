@@ -11,7 +11,7 @@
 #include "decode_table.h"
 #include "tests/bench/codecs/pca.h"
 
-/* A codec of 8-bit components, and for what it was chosen. */
+/* A codec of 8-bit components, and why it was chosen. */
 typedef struct peer_codec {
     const char *note; /* NULL: not there */
     pca_codec codec;
@@ -29,14 +29,14 @@ typedef struct decoding {
     uint32_t *floor; /* inputs of a floor shader */
 } decoding;
 
-/* A row of a material decoded this way, with its counts and bytes. */
+/* Makes a row for a material decoded with these options, with its counts and bytes. */
 decode_row decoding_row(const char *device, const decode_material *m, const char *effects,
                         const btf_shader_options *shader);
 
 /* Components that a subset decodes: whole groups of four, or units. */
 uint32_t decoding_part(const decode_material *m, const decode_subset *s);
 
-/* The accuracy of a compiled program into the row. */
+/* Measures the accuracy of a compiled program for the row. */
 void decoding_probe(const decoding *d, decode_rig *rig, unsigned program, decode_row *row);
 
 /* Where truth between the samples is not known, these put an estimate of the accuracy there into the row: for a

@@ -1,4 +1,4 @@
-/* Non-negative least squares of a cost model. See cost_fit.h.
+/* Fits a cost model by non-negative least squares. See cost_fit.h.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -24,8 +24,8 @@ static void counts_of(const btf_decode_counts *n, double out[PRICES]) {
 #undef READ
 }
 
-/* Descends along one price after another, each to its least error or 0, on columns scaled to length 1. The problem is
- * convex, so that this ends where no other prices are better. */
+/* Coordinate descent (V. Franc et al., 2005): sets one price after another to the value of least error, or 0, on
+ * columns scaled to length 1. The problem is convex, so that this ends at the best prices. */
 static void solve(double gram[PRICES][PRICES], const double right[PRICES], double x[PRICES]) {
     for (int turn = 0; turn < TURNS; turn++) {
         double moved = 0;

@@ -15,7 +15,7 @@ typedef struct cost_sample {
     double ns;
 } cost_sample;
 
-/* How far predictions are from what was measured, as shares of the latter. */
+/* The deviation of predictions from measured times, relative to the latter. */
 typedef struct cost_deviation {
     double mean, worst;
     int count; /* of samples */

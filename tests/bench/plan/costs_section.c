@@ -1,8 +1,8 @@
 /* Section `costs`: fits the prices of the cost model (openbtf/cost.h) to the times of this machine's GPU, and writes the
  * file that plans can load.
  *
- * The shaders are of random materials with the shapes of real ones: no data are read, and what a texel holds decides
- * nothing but how far marches go.
+ * The shaders are those of random materials with the shapes of real ones. No data are read: the contents of a texel
+ * only decide how far marches go.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -28,8 +28,8 @@ enum {
     .values = SYNTHETIC_PLAUSIBLE, .directions = SYNTHETIC_RINGS
 #define LIKE_JOINT LIKE_ALL, .layout = BTF_LAYOUT_TIGHT, .colour = BTF_COLOUR_NONE, .blend = BTF_BLEND_ROOTS
 
-/* Default files, their classes one by one, and components. The paper's files go by the same prices: fitting these to both
- * would make all of version 2 worse. */
+/* Materials like files of default options, like single classes of these, and of components. Files of the paper's method
+ * get the same prices: fitting the prices to both would make predictions worse for all of version 2. */
 static const struct {
     const char *name;
     bool quick;
@@ -57,7 +57,7 @@ enum { MATERIALS = sizeof materials / sizeof *materials };
 #define NEAREST .interpolation = BTF_INTERPOLATION_NEAREST
 #define STEEP .filter = BTF_FILTER_STEEP
 
-/* How each is decoded: `part` is one in so many of its components, 0 for all. */
+/* The ways in which each material is decoded. `part`: one in so many of its components; 0: all. */
 static const struct {
     const char *name;
     uint32_t part;
@@ -97,15 +97,15 @@ typedef struct fitting {
     const bench_run *run;
     decode_rig rig;
     uint32_t *still;       /* the rig's inputs with the directions that stand still */
-    rig_variant yardstick; /* one shader, which takes turns with every other */
-    double yards;          /* ns of it, the sum of all `turns` */
+    rig_variant yardstick; /* a shader that is timed in turns with every other */
+    double yards;          /* its ns, summed over all `turns` */
     int turns, rounds;
     cost_sample samples[MOST];
     char names[MOST][64];
     int count;
 } fitting;
 
-/* The sphere of the rig, seen or lit from one direction where it stands still. */
+/* The inputs of the rig's sphere, with the view or light replaced by one direction where the options fix it. */
 static const uint32_t *inputs_of(const fitting *f, const btf_shader_options *o) {
     const bool view = o->fixed & BTF_FIXED_VIEW || o->fold == BTF_FOLD_BOTH,
                light = o->fixed & BTF_FIXED_LIGHT || o->fold != BTF_FOLD_NONE;
@@ -122,8 +122,8 @@ static const uint32_t *inputs_of(const fitting *f, const btf_shader_options *o) 
     return f->still;
 }
 
-/* The time of a shader in turns with the yardstick: the median of their ratios, so that a machine which others use, too,
- * and which is faster now and slower then, changes both alike. 0: failed. */
+/* Times a shader in turns with the yardstick and returns the median of their ratios, so that a machine whose speed
+ * varies under other load changes both alike. 0: failed. */
 static double measure_in_turns(fitting *f, unsigned program, const uint32_t *inputs) {
     double ratio[ROUNDS], spread;
     for (int i = 0; i < f->rounds; i++) {
@@ -139,8 +139,8 @@ static double measure_in_turns(fitting *f, unsigned program, const uint32_t *inp
     return bench_median(ratio, f->rounds, &spread);
 }
 
-/* Times a way, unless it does what another of the material does. Errors: none; what cannot be drawn is left out, with a
- * message. */
+/* Times a way to decode a material, unless it gives the same shader as another one. It returns no errors: a shader that
+ * cannot be drawn is left out with a message. */
 static void measure(fitting *f, int m, int w, const btf_material *material, int first) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
@@ -148,7 +148,7 @@ static void measure(fitting *f, int m, int w, const btf_material *material, int 
     o.struct_size = sizeof o;
     o.components = ways[w].part ? (info.components + ways[w].part - 1) / ways[w].part : 0;
     o.have_precise = f->rig.have_precise;
-    /* Without light there is nothing to decode, and compilers see that. */
+    /* a material that is black decodes nothing, and compilers know that */
     const bool black = info.colour == BTF_COLOUR_NONE && o.leave_out & RESIDUAL && o.fold == BTF_FOLD_NONE;
     if (black || btf_fold_check(&info, &o, NULL) != BTF_OK) {
         return;
@@ -172,7 +172,7 @@ static void measure(fitting *f, int m, int w, const btf_material *material, int 
     }
 }
 
-/* A quarter of the units of a default file. */
+/* The yardstick decodes a quarter of the units of a file of default options. */
 static btf_result make_yardstick(fitting *f) {
     const btf_shader_options o = {.struct_size = sizeof o, .components = 3};
     btf_material *material = NULL;
@@ -206,7 +206,7 @@ static btf_result measure_all(fitting *f) {
     return result;
 }
 
-/* The rows that were measured, and the prices. */
+/* Writes the measured rows and the prices. */
 static btf_result write_tables(const fitting *f, const btf_cost_model *model, const cost_deviation *d) {
     FILE *csv = NULL, *out = f->run->summary;
     const btf_result result = bench_open(f->run, "costs", "csv", &csv);

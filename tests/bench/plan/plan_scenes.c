@@ -87,7 +87,7 @@ static void pick(random_state *r, const btf_range *range, double outermost, floa
     out[2] = (float)z;
 }
 
-/* Across a range: one share of its solid angle, another of its turn. */
+/* The direction in a range at a share of its solid angle from the pole (`rise`) and of its azimuths (`turn`). */
 static void place(const btf_range *range, double outermost, double rise, double turn, float out[3]) {
     if (range->fixed) {
         memcpy(out, range->direction, 3 * sizeof *out);

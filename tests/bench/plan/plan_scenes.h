@@ -1,4 +1,4 @@
-/* Scenes to plan for, and what a plan costs in accuracy there: predicted by the file, measured on the data.
+/* Scenes to plan for, and the accuracy that a plan loses there: as the file predicts, and as measured on the data.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,8 +20,8 @@ typedef struct plan_scene {
 enum { PLAN_SCENES = 9 };
 extern const plan_scene plan_scenes[PLAN_SCENES];
 
-/* The material of an analysis with its effect errors in it, by `solution` as enc_pack takes it; levels: of
- * detail (1 for none), of the joint method. */
+/* Packs `solution` into a material with the table of effect errors; levels: of detail (1 for none), for the joint
+ * method. */
 struct enc_solution;
 btf_result plan_pack(const enc_context *context, const enc_data *data, struct enc_solution *solution,
                      btf_layout layout, int levels, btf_material **out_material);
@@ -33,8 +33,8 @@ btf_result plan_pack(const enc_context *context, const enc_data *data, struct en
 btf_result plan_measure(const enc_context *context, const enc_data *data, const btf_material *whole,
                         const btf_material *small, const btf_plan *plan, double planned[2], double full[2]);
 
-/* How the reference decodes what the plan keeps; and the squared errors of a decoded value, each clipped to [0, 1], linear
- * and sRGB-coded, added to sum. */
+/* The reference's options for a plan; and a function that adds the squared errors of a decoded value, clipped to [0,
+ * 1], linear and sRGB-coded, to sum. */
 btf_ref_options plan_reference_options(const btf_plan *plan);
 void plan_add_errors(const double truth[3], const float rgb[3], double sum[2]);
 
@@ -43,7 +43,7 @@ void plan_add_errors(const double truth[3], const float rgb[3], double sum[2]);
  * turn along columns, lights the other way round. */
 void plan_arguments(const btf_plan *plan, const enc_data *data, size_t side, uint32_t *out);
 
-/* dB. */
+/* The PSNR in dB of a mean squared error. */
 double plan_psnr(double mse);
 
 #endif

@@ -1,4 +1,5 @@
-/* Section `plan`: what decoding only what a scene calls for saves, and whether it was predicted.
+/* Section `plan`: the time and bytes that plans for scenes save, the accuracy that they lose, and whether the file
+ * predicted these.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,13 +21,13 @@ static const float tolerance = 0.5f;
 
 static const char *const fold_names[] = {"none", "light", "both", "neighbours"};
 
-/* Where rows go: the whole figures, the README's table. */
+/* The outputs of rows: all figures, and the README's table. */
 typedef struct outputs {
     FILE *csv, *readme;
 } outputs;
 
-/* Nanoseconds a pixel of the plan, of everything and of the plan folded, the medians of rounds in which
- * they take turns. */
+/* Nanoseconds a pixel of the plan, of decoding everything, and of the folded plan: medians over rounds in which all
+ * three are timed in turn. */
 static void measure_times(decode_rig *rig, const btf_material *material, const btf_material *small,
                           const btf_plan *plan, int rounds, double out_ns[WAYS]) {
     const btf_shader_options everything = {.struct_size = sizeof everything};
@@ -66,8 +67,8 @@ typedef struct found {
     bool folded; /* shown by reading a fold */
 } found;
 
-/* dB below the full decode where the scene looks, as the plan reckons: between the samples, where the file tells, beside
- * half of what it estimates there; else against the data. */
+/* The predicted loss in dB against the full decode where the scene looks, as the plan counts it: between the samples
+ * where the file has these errors, relative to half of its estimate there; else against the data. */
 static double predict_loss(float full_between, float between, float full, float planned) {
     if (full_between <= 0) {
         return (double)full - (double)planned;
@@ -78,7 +79,7 @@ static double predict_loss(float full_between, float between, float full, float 
     return 10 * log10(1 + more / base);
 }
 
-/* The same as measured: against images between the samples, at other levels against the data. False where it is not
+/* The measured loss: against images between the samples; at other levels against the data. False where it is not
  * known. */
 static bool measure_loss(const found *f, double out[2]) {
     for (int i = 0; i < 2; i++) {
@@ -114,7 +115,8 @@ static btf_result find(const bench_run *run, decode_rig *rig, const plan_scene *
     return result;
 }
 
-/* Writes in words which parts of the material a plan leaves out, and how it decodes the rest: "gain, 6 of 12 units, 62 views; light folded". */
+/* Writes in words which parts of the material a plan leaves out, and how it decodes the rest: "gain, 6 of 12 units, 62
+ * views; light folded". */
 static void tell_left_out(const btf_material *material, const found *f, char *out, size_t size) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(material, &info);
@@ -208,7 +210,7 @@ static void write_row(const bench_run *run, const char *method, const plan_scene
             f->images > 0 ? plan_psnr(f->full_truth[1]) : 0);
 }
 
-/* A material of each method: joint (the first preset asked for, with levels of detail) and paper. */
+/* Encodes the material of a method: joint (with the first preset asked for and levels of detail) or paper. */
 static btf_result encode(const bench_run *run, bool joint, int preset, btf_material **out_material) {
     bench_encoded encoded;
     btf_result result = joint ? bench_encode_joint(run->context, run->data, preset, run->budget, &encoded)
@@ -222,7 +224,7 @@ static btf_result encode(const bench_run *run, bool joint, int preset, btf_mater
     return result;
 }
 
-/* From the folder of kept materials where it is there, else encoded and kept. */
+/* Opens the material from the folder of kept materials, or encodes it and keeps it there. */
 static btf_result make_material(const bench_run *run, bool joint, btf_material **out_material) {
     char path[4096];
     int preset = 0;

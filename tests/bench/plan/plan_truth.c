@@ -35,7 +35,7 @@ static void filtered_texel(const bench_truth *truth, size_t image, uint32_t widt
 
 size_t plan_truth(const bench_truth *truth, const btf_material *whole, const btf_material *small,
                   const btf_plan *plan, double planned[2], double full[2]) {
-    enum { ODD = 5 }; /* a texel of every image is another's neighbour */
+    enum { ODD = 5 }; /* the odd step spreads the texels of successive images */
     const btf_ref_options everything = {BTF_EFFECT_ALL, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_TEXEL},
                           chosen = plan_reference_options(plan);
     btf_ref_material a, b;

@@ -1,4 +1,4 @@
-/* Measures the accuracy that a plan loses between the samples, against images that are true there.
+/* Measures the accuracy that a plan loses between the samples, against images of the truth there.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* A folded material on the device against the reference that folds nothing.
+/* A folded material on the device against the reference without a fold.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -26,7 +26,7 @@ static const char body[] = "uvec4 check(uvec4 a, uvec4 b) {\n"
                            "    return uvec4(floatBitsToUint(c), 0u);\n"
                            "}\n";
 
-/* The level, of those there are, that stands for what element i asks for. */
+/* The level that the decoder must take for the one that element i asks for. */
 static uint32_t level_of(size_t i, uint32_t levels) {
     const uint32_t asked = (uint32_t)(i % GPU_SIDE / 2 % (levels + 2));
     return asked == 0 ? 0 : asked > levels ? levels - 1 : asked - 1;
@@ -102,7 +102,8 @@ static btf_result choose_folding(random_state *r, const check_subject *s, const 
     return sum ? add_lights(of, info->levels) : BTF_OK;
 }
 
-/* Uploads all that the pass reads and folds the lights, for the fold's own programs and the session's. */
+/* Uploads the textures that the fold's pass reads, and folds the lights, for the programs of the fold and the
+ * session. */
 static btf_result make_fold(const check_session *session, const btf_shader_options *shader,
                             const folding *of, btf_gl_fold **out_fold) {
     const check_subject *s = session->subject;

@@ -38,7 +38,7 @@ float *folds_reference(const btf_ref_material *m, const btf_ref_options *o, int 
         return NULL;
     }
     if (fold == BTF_REF_FOLD_BOTH) {
-        const uint32_t half = m->height / 2; /* in two pieces, as threads do */
+        const uint32_t half = m->height / 2; /* in two calls, as threads would do */
         btf_ref_fold_both(m, o, light, view, half, m->height - half, values + (size_t)4 * m->width * half);
         btf_ref_fold_both(m, o, light, view, 0, half, values);
         return values;

@@ -12,7 +12,7 @@
 extern const btf_log folds_log;
 extern char folds_said[400];
 
-/* What small materials of factors, roots and three levels have in common, members of synthetic_spec. */
+/* Members of synthetic_spec that small materials of factors, blended roots and three levels have in common. */
 #define FOLDS_ROOTS                                                                                        \
     .width = 13, .height = 7, .n_views = 9, .n_lights = 11, .layout = BTF_LAYOUT_TIGHT,                    \
     .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_NONE, .directions = SYNTHETIC_RANDOM, .levels = 3,     \

@@ -1,4 +1,5 @@
-/* Folds: the reference's against what is not folded, which there are, what a folded shader reads, and what plans fold.
+/* Folds: the reference's folds against a decode without, which folds are defined, what a folded shader reads, and when
+ * plans fold.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -17,7 +18,7 @@ static btf_material *make(const synthetic_spec *spec) {
     return material;
 }
 
-/* Evaluations that differ between a fold and none. */
+/* Counts the evaluations that differ between a decode with a fold and one without. */
 static uint64_t compare(const btf_material *material, const btf_ref_options *options, int fold,
                         uint64_t seed, uint64_t *evaluated) {
     enum { COUNT = 60 };
@@ -50,7 +51,7 @@ static uint64_t compare(const btf_material *material, const btf_ref_options *opt
     return different;
 }
 
-/* Texels of a fold made by the library on the CPU that differ from the reference's. */
+/* Counts the texels of a fold that the library makes on the CPU that differ from the reference's. */
 static uint64_t compare_texels(const btf_material *material, const btf_shader_options *shader,
                                const btf_ref_options *options, uint64_t seed, uint64_t *compared) {
     enum { LIGHTS = 2 };
@@ -127,7 +128,8 @@ TEST(folded_reference_has_the_same_bits) {
     assert_true(evaluated[1] > 1000 && evaluated[2] > 5000 && evaluated[3] > 5000);
 }
 
-/* A sum of lights, of whole texels, is the sum of what is not folded; the library's has the bits of the reference's. */
+/* The fold of a sum of lights is the sum of the radiances without a fold, for whole texels; the library's has the bits
+ * of the reference's. */
 TEST(sums_of_lights_are_exact) {
     enum { LIGHTS = 5, TEXELS = 13 * 7 };
     static float one[TEXELS][4], sum[TEXELS][4];
@@ -174,7 +176,7 @@ TEST(sums_of_lights_are_exact) {
     btf_material_close(&material);
 }
 
-/* Library and reference agree on which folds there are, and the library says why there is none. */
+/* Library and reference agree on which folds are defined, and the library says why one is not. */
 TEST(undefined_folds_are_refused) {
     static const struct {
         btf_colour colour;
@@ -224,7 +226,8 @@ TEST(undefined_folds_are_refused) {
     }
 }
 
-/* A folded shader reads where, not what; the fold is as large as it says; and it costs less. */
+/* A folded shader reads the textures that find a texel and its fold, and none that the fold has used up; the fold has
+ * the size that is stated; and the decode costs less. */
 TEST(a_folded_shader_reads_less) {
     btf_material *material = make(&folds_of_roots);
     btf_material_info info = {.struct_size = sizeof info};
@@ -260,7 +263,7 @@ TEST(a_folded_shader_reads_less) {
     btf_material_close(&material);
 }
 
-/* A plan says what of its scene can be folded, and what that takes of the restricted material. */
+/* A plan says which fold its scene allows, and its restriction drops what the fold makes superfluous. */
 TEST(plans_fold) {
     const btf_range still = {.fixed = 1, .direction = {0.6f, 0, 0.8f}}, top = {.theta = {0, 20}};
     synthetic_spec spec = folds_of_roots;
@@ -288,7 +291,8 @@ TEST(plans_fold) {
     assert_true(plan.folded_cost < with_relief && plan.views == 81);
     const double pixels = plan.fold_pixels;
     const size_t bytes = plan.fold_bytes;
-    for (int i = 0; i < 5; ++i) { /* folds that a scene does not make, and those that it just makes */
+    /* a fold is forbidden, is for too few samples, has too many bytes; then has just enough of either */
+    for (int i = 0; i < 5; ++i) {
         btf_scene limited = scene;
         limited.no_fold = i == 0;
         limited.folded_pixels = i == 1 ? pixels * 0.99 : i == 3 ? pixels * 1.01 : 0;
@@ -298,12 +302,12 @@ TEST(plans_fold) {
         assert_true(i < 3 ? plan.folded_cost == plan.cost && plan.fold_bytes == 0 && plan.fold_pixels == 0
                           : plan.folded_cost < plan.cost && plan.fold_bytes == bytes);
     }
-    scene.view = top; /* fewer views are folded sooner */
+    scene.view = top; /* with fewer views a fold pays for fewer samples */
     assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
     assert_true(plan.views < 40 && plan.fold_bytes == (size_t)plan.views * 16 * (13 * 7 + 6 * 3 + 3 * 1));
     assert_true(fabs(plan.fold_pixels - pixels * plan.views / 81) < 0.01 * pixels);
     const float light_alone = plan.folded_cost;
-    scene.lights = 3; /* each is read */
+    scene.lights = 3; /* the shader reads a fold of each light */
     assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
     assert_true(plan.fold == BTF_FOLD_LIGHT && fabsf(plan.folded_cost - 3 * light_alone) < 0.01f);
     scene.lights = 0;
@@ -312,7 +316,7 @@ TEST(plans_fold) {
     assert_int_equal(plan.fold, BTF_FOLD_BOTH);
     assert_true(plan.folded_cost < light_alone && plan.fold_bytes == 16 * (13 * 7 + 6 * 3 + 3 * 1));
     const float both = plan.folded_cost;
-    scene.lights = 3; /* one sum is */
+    scene.lights = 3; /* the shader reads one fold of their sum */
     assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
     assert_true(plan.fold == BTF_FOLD_BOTH && plan.folded_cost == both);
     const btf_scene one = scene;
@@ -342,8 +346,8 @@ TEST(plans_fold) {
     btf_material_close(&flat);
 }
 
-/* A still light is folded without gloss where the table says that this is worth less than the tolerance between the samples:
- * 0.11 dB here, half of how the error grows where samples are left out. */
+/* A still light is folded without gloss where, by the table of errors between the samples, gloss is worth less than the
+ * tolerance: 0.11 dB here, half of the growth of the error where samples are left out. */
 TEST(plans_weigh_gloss) {
     enum { EFFECTS = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
     static const float errors[] = {1, 1, 0, 90, 0, 90, EFFECTS, 2, 0, 0, 0, 0.001f, 0.001f};
@@ -367,7 +371,7 @@ TEST(plans_weigh_gloss) {
     assert_true(plan.folded_cost < plan.cost && plan.cost < plan.full_cost);
     assert_true(fabs(plan.between_psnr_linear + 10 * log10(0.010125)) < 1e-3);
     assert_true(fabs(plan.full_between_psnr_linear - 20) < 1e-3);
-    for (int i = 0; i < 3; ++i) { /* is left out where no fold is made, too: it saves look-ups */
+    for (int i = 0; i < 3; ++i) { /* without a fold gloss is left out, too, which saves look-ups */
         btf_scene unfolded = scene;
         unfolded.no_fold = i == 0;
         unfolded.folded_pixels = i == 1 ? 1 : 0;
@@ -383,13 +387,13 @@ TEST(plans_weigh_gloss) {
         assert_int_equal(btf_plan_effects(material, &scene, tighter[i], &plan), BTF_OK);
         assert_true(plan.effects == EFFECTS && plan.fold == BTF_FOLD_NONE && plan.folded_cost == plan.cost);
     }
-    /* who knows what it is worth */
+    /* without the table its worth is unknown */
     assert_int_equal(btf_plan_effects(silent, &scene, 0.5f, &plan), BTF_OK);
     assert_int_equal(plan.effects, EFFECTS);
-    scene.view = still; /* is folded with gloss as well */
+    scene.view = still; /* with a still view the light is folded with gloss */
     assert_int_equal(btf_plan_effects(material, &scene, 0, &plan), BTF_OK);
     assert_true(plan.effects == EFFECTS && plan.fold == BTF_FOLD_NEIGHBOURS);
-    scene = (btf_scene){.struct_size = sizeof scene, .view = still}; /* is not folded anyhow */
+    scene = (btf_scene){.struct_size = sizeof scene, .view = still}; /* moving lights are not folded */
     assert_int_equal(btf_plan_effects(material, &scene, 0.5f, &plan), BTF_OK);
     assert_true(plan.fold == BTF_FOLD_NONE);
     btf_material_close(&material);

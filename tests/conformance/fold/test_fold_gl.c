@@ -36,7 +36,7 @@ TEST(wrong_calls_are_refused) {
     assert_null(fold);
     shader.leave_out = BTF_EFFECT_ALL & ~BTF_EFFECT_RESIDUAL;
     assert_int_equal(btf_gl_upload(material, &options, &folds_log, &few),
-                     BTF_OK); /* what the folded shader reads: nothing */
+                     BTF_OK); /* the folded shader reads no texture of the material */
     options.shader = NULL;
     assert_int_equal(btf_gl_upload(material, &options, &folds_log, &all), BTF_OK);
     options.shader = &shader;
@@ -66,7 +66,7 @@ typedef struct second_state {
     GLboolean (*is_enabled)(GLenum, GLuint);
 } second_state;
 
-/* False where the context has none. */
+/* Loads the functions for the second draw buffer; false where the context has none. */
 static bool load_second_state(const gl_api *api, const btf_gl_options *options, second_state *s) {
     static const char *const names[] = {"glColorMaski",  "glGetBooleani_v", "glViewportIndexedf",
                                         "glGetFloati_v", "glEnablei",       "glDisablei",
@@ -104,8 +104,8 @@ static void check_second_state(const second_state *s, bool set) {
     assert_false(s->is_enabled(GL_SCISSOR_TEST, 1));
 }
 
-/* The state of an application changes nothing of a fold, and is as it was: a scissor, masks, another
- * framebuffer and program, another draw buffer and viewport; the layers are what the reference keeps. */
+/* The application's GL state (a scissor, masks, another framebuffer and program, another draw buffer and viewport) does
+ * not change a fold, and is restored; the layers are those of the reference. */
 TEST(state_is_left_alone) {
     static const GLenum names[] = {
         GL_VIEWPORT,       GL_CURRENT_PROGRAM,          GL_DRAW_FRAMEBUFFER_BINDING,
@@ -218,7 +218,7 @@ TEST(gl_and_cpu_fold_the_same) {
     btf_material_close(&material);
 }
 
-/* So are sums of lights, be their number odd or even: they are drawn into two textures in turn. */
+/* The same for sums of lights, of odd and even number, since they are drawn into two textures in turn. */
 TEST(gl_and_cpu_add_the_same) {
     enum { LIGHTS = 3, SUMS = 2, LEVELS = 3, MOST = 4 * 13 * 7 };
     static uint32_t drawn[SUMS * MOST], sum[MOST];

@@ -15,10 +15,10 @@ static btf_material *make(const synthetic_spec *spec) {
     return material;
 }
 
-/* A wrong shader: words of the decoder, or of what folds, and other ones in their place. */
+/* A wrong shader: words in the text of the decoder, or of the fold's pass, and their replacement. */
 typedef struct sabotage {
     const char *name, *from, *to;
-    int of_pass; /* in what folds; else in what reads */
+    int of_pass; /* the words are those of the fold's pass; else those of the decoder that reads the fold */
     int subject; /* of the list below */
 } sabotage;
 

@@ -1,4 +1,4 @@
-/* Shader text that is broken on purpose.
+/* Changes the text of shaders on purpose, and tells whether a test noticed.
  *
  * SPDX-License-Identifier: MIT
  */

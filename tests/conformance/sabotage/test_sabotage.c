@@ -1,5 +1,4 @@
-/* A conformance suite that cannot fail is worth nothing: each deliberately wrong decoder below must be
- * caught.
+/* Shows that the conformance checks can fail: they must find a difference in each deliberately wrong decoder below.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -138,7 +137,7 @@ static const sabotage list[] = {
     {"long vectors accepted", "", "most <= BTF_BITS_2", "most <= 0x7F000000u"},
 };
 
-/* The same of version 2, and the subject that shows it. */
+/* Wrong decoders of version 2, each with the subject that shows its fault. */
 enum {
     MIXED = 4,
     PACKED = 5,
@@ -261,8 +260,8 @@ enum {
     SABOTAGES_5 = sizeof list_5 / sizeof *list_5
 };
 
-/* Materials that between them use every line of the decoder. The first shows most of the faults: shaders
- * of the others are compiled for few. */
+/* Materials that together use every line of the decoder. The first shows most of the faults, so that few shaders of the
+ * others have to be compiled. */
 static const struct {
     synthetic_spec spec;
     btf_shader_options shader;
@@ -340,7 +339,7 @@ enum { SUBJECTS = sizeof subjects / sizeof *subjects, COUNT = 6000 };
 
 static gpu *device;
 static btf_material *materials[SUBJECTS];
-static int drawn; /* light sampling is what is broken */
+static int drawn; /* the fault is in light sampling */
 
 /* Every place that holds the words is changed. */
 static const char *tamper(char *text) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Looks at the texts of btf-shader as no device can.
+"""Checks texts of btf-shader without a device.
 
     entry.py entry FOLDER OUT       writes a compute shader of the folder's decoder, in GLSL for Vulkan or HLSL, with an
                                     entry point that decodes records of twelve words (exported.h)

@@ -77,7 +77,7 @@ static void read_options(const cJSON *o, exported *out) {
     snprintf(out->prefix, sizeof out->prefix, "%s", string(o, "prefix"));
 }
 
-/* The levels by the places that the manifest names: of a raw file all that there is. */
+/* Reads the levels from the offsets that the manifest states; a raw file holds nothing else. */
 static bool read_places(const cJSON *t, const char *name, const unsigned char *bytes, size_t size,
                         loaded *out) {
     *out = (loaded){.width = (uint32_t)number(t, "width"),
@@ -104,7 +104,7 @@ static bool read_places(const cJSON *t, const char *name, const unsigned char *b
     return true;
 }
 
-/* Whether manifest and file say the same of a texture. */
+/* Whether manifest and file agree about a texture. */
 static bool agree(const exported_texture *t, uint32_t dxgi, const char *store, const loaded *by_manifest) {
     const loaded *d = &t->data;
     const bool ktx = !strcmp(store, "ktx2");

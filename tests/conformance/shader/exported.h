@@ -1,4 +1,4 @@
-/* A folder of btf-shader in memory: what its manifest says, its text and its textures, each checked against the others.
+/* A folder of btf-shader in memory: its manifest, its text and its textures, each checked against the others.
  *
  * SPDX-License-Identifier: MIT
  */

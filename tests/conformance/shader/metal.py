@@ -3,9 +3,9 @@
 
     metal.py FOLDER OUT.cc     of the folder that `btf-shader --language msl` wrote
 
-No Metal compiler runs on Linux. Its language is C++ with vectors, address spaces and textures; metal/metal_stdlib has as much
-of these as the decoder uses. A run shows that the text says what the decoder does; how a Metal compiler takes it is not seen
-here.
+No Metal compiler runs on Linux. Metal's language is C++ with vectors, address spaces and textures; metal/metal_stdlib
+implements as much of these as the decoder uses. A run shows that the text computes what the decoder does. It does not
+show what a Metal compiler makes of it.
 
 SPDX-License-Identifier: MIT
 """

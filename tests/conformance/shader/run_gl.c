@@ -38,7 +38,7 @@ static GLuint upload(const gl_api *gl, const exported_texture *t, GLenum target)
     return texture;
 }
 
-/* Inputs of the grid have eight words: what else a record holds, the body makes of the pixel's place. */
+/* An input of the grid has eight words. The shader's body derives the rest of a record from the pixel's position. */
 static char *make_body(const exported *e) {
     static const char plain[] =
         "uvec4 check(uvec4 a, uvec4 b) {\n"

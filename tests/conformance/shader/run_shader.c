@@ -36,7 +36,7 @@ static void make_direction(double least_z, float out[3]) {
     out[2] = (float)z;
 }
 
-/* The level and the random numbers are those that run_gl.c makes of a pixel's place. */
+/* The level and the random numbers are those that run_gl.c derives from a pixel's position. */
 static void make_records(const exported *e, double theta, size_t count, uint32_t *records) {
     for (size_t i = 0; i < count; i++) {
         const uint32_t x = (uint32_t)i % GRID, counter[3] = {x, (uint32_t)i / GRID, 7};
@@ -130,7 +130,7 @@ int main(int argc, char **argv) {
         memcpy(after, before, count * RECORD * sizeof *after);
         execute(argv[1], &e, code, after, count);
         result = compare(&e, material, before, after, count);
-        /* A plan's textures are its own: what they decode to shows whether they are right. */
+        /* a plan's textures differ from the material's: only their decoded radiance can be compared */
         if (theta >= 90 && exported_differences(&e, material)) {
             result = 7;
         }

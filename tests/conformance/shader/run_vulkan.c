@@ -1,4 +1,4 @@
-/* The decoder on Vulkan. See run_vulkan.h. Nothing is destroyed: the process ends behind it.
+/* The decoder on Vulkan. See run_vulkan.h. No object is destroyed, because the process ends afterwards.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -93,7 +93,7 @@ static VkDeviceMemory allocate(const device *d, VkMemoryRequirements need, VkMem
     return memory;
 }
 
-/* A buffer that the CPU sees. */
+/* Makes a buffer that the CPU can read and write. */
 static VkBuffer make_buffer(const device *d, size_t size, VkBufferUsageFlags usage, void **out_data) {
     VkBuffer made;
     const VkBufferCreateInfo info = {

@@ -1,6 +1,6 @@
 #!/bin/bash
-# btf-shader: what it writes is run on every device that reads its language, from the files alone, against the reference
-# decoder; wrong bytes and unprotected arithmetic are noticed.
+# Runs the files that btf-shader writes on every device that reads their language, and compares with the reference
+# decoder; shows that wrong bytes and unprotected arithmetic are noticed.
 #
 #     test_shader.sh             a golden material in every language, and one of version 2; wrong files are noticed
 #     test_shader.sh --long      every golden material in every language, and options
@@ -40,7 +40,7 @@ by_cpp() {
     $compiler -std=c++17 -O1 -ffp-contract=off -w -fPIC -shared "-I$metal" metal.cc -o "$2"
 }
 
-# devices LANGUAGE: those that read it
+# devices LANGUAGE: prints the devices that read it
 devices() {
     case $1 in
     glsl330) echo osmesa-330 ;;
@@ -125,10 +125,10 @@ if [ "${1:-}" = --long ]; then
         for language in $languages; do
             ways "$(basename "$file" .btf.exr)" "$language" "${stores[i++ % 3]}"
         done
-        i=$((i + 1)) # other kinds of file for the languages of the next
+        i=$((i + 1)) # the next material begins with other kinds of texture file
     done
 
-    # What the manifest says of options is what the shader does.
+    # The shader has the options that the manifest states.
     file=$golden/v2-all.btf.exr
     expect 'nearest, steep, without gain' 0 btf-shader "$file" -l essl300 -o nearest -q --interpolation nearest \
         --filter steep --effects shift,residual,relief --components 1
@@ -145,7 +145,7 @@ fi
 
 file=$golden/v2-all.btf.exr
 
-# swap_byte FILE [AT]: another value of a byte near the end
+# swap_byte FILE [AT]: changes the byte at AT, or one near the end
 swap_byte() {
     python3 - "$1" "${2:--3}" <<'P'
 import sys

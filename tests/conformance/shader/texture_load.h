@@ -1,5 +1,5 @@
-/* Reads the texture files of btf-shader as a stranger would: from the specifications of KTX 2.0, of the Khronos data
- * format descriptor and of DDS, not from the code that writes them. Whatever a file says must be as it should.
+/* Reads the texture files of btf-shader as another program would: written from the specifications of KTX 2.0, of the
+ * Khronos data format descriptor and of DDS, and not from the code that writes the files. Every field is checked.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -14,7 +14,7 @@ enum { LOADED_LEVELS = 15 };
 
 /* A texture as a file says it is. */
 typedef struct loaded {
-    uint32_t vulkan, dxgi;          /* the format in the numbers of whom the file follows; the other is 0 */
+    uint32_t vulkan, dxgi; /* the format: its number in KTX, its number in DDS files; the other is 0 */
     uint32_t width, height, layers; /* of the finest level */
     bool is_array;                  /* a DDS file of one layer does not say */
     uint32_t levels;

@@ -1,6 +1,6 @@
-/* Every variant of the library in WGSL: the translator takes it, and what it writes is whole, has no word of GLSL left, names
- * nothing that is not declared, reads only the textures of its effects, and makes every exact sum and product with the run-time
- * zero. Browsers' compilers take the texts in tests/web/webgpu.
+/* Every variant of the library in WGSL: the translator accepts it, and its text is complete, has no word of GLSL left,
+ * uses no undeclared name, declares only the textures of its effects, and makes every exact sum and product with the
+ * run-time zero. Browsers compile the texts in tests/web/webgpu.
  *
  *     test_wgsl                 every two settings of options meet
  *     test_wgsl --long          every four
@@ -79,7 +79,7 @@ static int is_known(const word *w) {
     return strncmp(known + 1, w->text, w->length) == 0 && known[1 + w->length] == ' ';
 }
 
-/* Words that stand nowhere in front of a colon, behind `fn`, `let`, `var`, `struct`: nothing declares them. */
+/* Counts undeclared words: those that nowhere precede a colon or follow `fn`, `let`, `var` or `struct`. */
 static int undeclared(const char *text) {
     static words w;
     int wrong = 0;
@@ -117,7 +117,7 @@ static int undeclared(const char *text) {
     return wrong;
 }
 
-/* Brackets that do not close, and signs that WGSL does not have. */
+/* Counts brackets that do not close, and characters that WGSL does not have. */
 static int unbalanced(const char *text) {
     char open[100];
     size_t depth = 0;
@@ -139,7 +139,7 @@ static int unbalanced(const char *text) {
     return depth > 0;
 }
 
-/* A text that must stand there `times` times. */
+/* Checks that `part` occurs `times` times in the text. */
 static int counted(const char *text, const char *part, size_t times) {
     size_t n = 0;
     for (const char *p = text; (p = strstr(p, part)) != NULL; p += strlen(part)) {
@@ -151,7 +151,8 @@ static int counted(const char *text, const char *part, size_t times) {
     return n != times;
 }
 
-/* Products and sums of floats stand in btf_mul and btf_add alone, each XORed with the zero; fast math has none. */
+/* Products and sums of floats occur in btf_mul and btf_add alone, each XORed with the run-time zero; fast math has no
+ * such functions. */
 static int check_protection(const char *text, const uint8_t *row) {
     const size_t times = row[FAST] ? 0 : 1;
     return counted(text, "bitcast<f32>(bitcast<u32>(a * b) ^ btf_zero)", times) +
@@ -276,7 +277,7 @@ static int check_variant(const uint8_t *row) {
     return wrong;
 }
 
-/* The checks of this file must notice what they are for. */
+/* Breaks texts and requires that the checks of this file notice. */
 static int check_checks(const uint8_t *row) {
     char macros[ROW_MACROS];
     row_macros(row, macros);

@@ -83,7 +83,7 @@ void row_macros(const uint8_t *row, char *out) {
 }
 
 size_t rows_of_pairs(size_t most, uint8_t (*rows)[PAIRWISE_FACTORS]) {
-    /* Every pair without packed points, then with them, which leave fewer layouts and hidden points. */
+    /* All pairs without packed points, then with them: these allow one layout and no hidden points. */
     uint8_t fewer[FACTORS];
     memcpy(fewer, levels, sizeof fewer);
     fewer[POINTS] = fewer[RELIEF] = fewer[GLOSS] = fewer[STEEP] = 1;

@@ -95,7 +95,7 @@ static void broadcast(void *user, void *bytes, size_t size) {
     meet(s);
 }
 
-/* One rank: what it runs, and with what. */
+/* One rank: the function that it runs, and its arguments. */
 typedef struct member {
     seat at;
     void (*run)(const enc_context *context, void *user);
@@ -168,7 +168,7 @@ TEST(test_alone) {
     }
 }
 
-/* Slices cover everything once, in order, and differ by one at most. */
+/* The slices of the ranks cover a range once, in order, and their sizes differ by at most one. */
 static void check_ranges(const enc_context *context, void *user) {
     (void)user;
     const size_t size = (size_t)enc_ranks_count(context);
@@ -289,13 +289,13 @@ static void fail_one(const enc_context *context, void *user) {
         assert_int_equal(result, BTF_ERROR_BAD_FILE);
     }
     assert_int_equal(enc_ranks_agree(context, result), BTF_ERROR_BAD_FILE);
-    assert_int_equal(enc_ranks_agree(context, BTF_OK), BTF_ERROR_BAD_FILE); /* nobody waits for anybody */
+    assert_int_equal(enc_ranks_agree(context, BTF_OK), BTF_ERROR_BAD_FILE); /* no rank waits for another */
     assert_false(enc_ranks_all(context, true));
-    enc_ranks_begin(context); /* the next job goes on */
+    enc_ranks_begin(context); /* the next job is not affected */
     assert_int_equal(enc_ranks_agree(context, BTF_OK), BTF_OK);
 }
 
-/* All fail alike: rank 0 says so, once. */
+/* All ranks fail in the same way: rank 0 alone logs it, once. */
 static void fail_all(const enc_context *context, void *user) {
     (void)user;
     const btf_result result = enc_fail(context, BTF_ERROR_IO, "data: not there");
@@ -454,7 +454,7 @@ TEST(test_joint_has_the_bits_of_one) {
 TEST(test_paper_has_the_bits_of_one) {
     const int sizes[] = {2, 5};
     check_bits((found){.paper = true}, sizes, 2);
-    check_bits((found){.paper = true, .stray = true}, sizes, 2); /* the diffuse fit is taken */
+    check_bits((found){.paper = true, .stray = true}, sizes, 2); /* with the diffuse fallback */
 }
 
 /* The worse of two results is the same whichever thread comes first, and only what went well twice is BTF_OK. */

@@ -1,4 +1,4 @@
-/* The fit of the cost model: prices that timings were made with are found again, and none falls below 0.
+/* The fit of the cost model: it finds the prices from which timings were made, and none below 0.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -8,7 +8,7 @@
 
 enum { SAMPLES = 60 };
 
-/* As a GPU might have them: two are for nothing. */
+/* Prices as a GPU might have them; two of the counts cost nothing. */
 static const btf_cost_model made = {.struct_size = sizeof made,
                                     .pixel = 3,
                                     .look_up = 7,
@@ -64,7 +64,7 @@ TEST(noise_moves_them_little) {
     assert_true(fabs(found.integer / made.integer - 1) < 0.1 && fabs(found.fetch / made.fetch - 1) < 0.1);
 }
 
-/* A count whose best price were below 0 costs nothing, and the others make up for it. */
+/* A count whose least-squares price would be negative costs nothing, and the other prices make up for it. */
 TEST(none_is_below_zero) {
     cost_sample samples[SAMPLES];
     btf_cost_model found;
@@ -80,7 +80,7 @@ TEST(none_is_below_zero) {
     assert_true(found.look_up == 0 && found.integer > 0);
 }
 
-/* A count that no sample has. */
+/* A count that is 0 in every sample gets the price 0. */
 TEST(unknown_counts_cost_nothing) {
     cost_sample samples[SAMPLES];
     btf_cost_model found;

@@ -79,7 +79,8 @@ TEST(test_mixed) {
     expect(decode_cost_of(&info, &shader), 14, 14 * 16, 96 + 3 * (3 * 68 + 4 * 7), 4 + 3 * (12 + 12));
 }
 
-/* With relief u is read for each view, the scales once; 9 steps of a march, and of one for each of three views. */
+/* With relief u is read for each view, the scales once. There are four marches of 9 steps: the pixel's, and one for
+ * each of the three views. */
 TEST(test_relief) {
     const uint32_t classes[BTF_FACTOR_CLASSES][3] = {[2] = {1, 0, 0}};
     btf_material_info info = factors_info(classes, BTF_EFFECT_RELIEF);
@@ -98,8 +99,8 @@ TEST(test_relief) {
     expect(decode_cost_of(&info, &shader), 5, 5 * 16, 96 + 65 + 3, 1 + 3 + 6 + 6);
 }
 
-/* Codes are read twice where sources are found before views are shown. Gloss moves each view's light: 60 operations and a
- * power. No light is fixed then. */
+/* Indices and shifts of points are read twice where all sources are found before a view is decoded. Gloss moves each
+ * view's light, at 60 operations and a power; a fixed light then saves nothing. */
 TEST(test_between) {
     const uint32_t classes[BTF_FACTOR_CLASSES][3] = {[2] = {1, 0, 0}};
     btf_material_info info = factors_info(classes, BTF_EFFECT_RELIEF | BTF_EFFECT_SHIFT);

@@ -1,5 +1,5 @@
-/* The low-bit peer of btf-bench: its factors are of as many levels as their bits have, its bytes are those
- * of the budget, low bits and descent pay, and the number of threads does not matter.
+/* The low-bit peer of btf-bench: its factors have the levels that their bits can code, its bytes keep to the budget,
+ * low bits and descent pay, and the number of threads does not matter.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -24,8 +24,8 @@ static enc_data *empty(void) {
     return data;
 }
 
-/* Radiance whose roots are sums of TERMS products, of energies that fall slowly as those of measured
- * materials do; `tint` is the share of them that differs between channels. */
+/* Radiance whose square roots are sums of TERMS products. Their energies fall as slowly as those of measured materials;
+ * `tint` is the share of a product that differs between channels. */
 static enc_data *textured(float tint) {
     enc_data *data = empty();
     static float u[TERMS][TEXELS], w[TERMS][COLUMNS], colour[TERMS][3];
@@ -122,8 +122,8 @@ static size_t distinct(const float *values, size_t count) {
     return found;
 }
 
-/* A factor of b bits has 2^b levels at most (a view of w: its step is the view's), and its bytes are b / 8
- * a number, two floats a component, a byte a view for the numbers of bits that occur. */
+/* A factor of b bits has at most 2^b levels (within one view of w, since each view has a step of its own). A number
+ * takes b / 8 bytes; to these come two floats a component, and a byte a view for each number of bits that occurs. */
 TEST(test_levels_and_bytes) {
     enc_data *data = textured(0.1f);
     lowbit_codec codec = encode(&two, data, 8000, false, 2);
@@ -189,7 +189,7 @@ TEST(test_degenerate) {
     const lowbit_options options = {.budget = 8000, .sweeps = 1}, small = {.budget = 100, .sweeps = 1};
     lowbit_codec codec;
     assert_int_equal(lowbit_encode(&two, data, &options, &codec),
-                     BTF_ERROR_USAGE); /* nothing is worth a byte */
+                     BTF_ERROR_USAGE); /* black data: no component is worth its bytes */
     for (size_t i = 0; i < (size_t)TEXELS * 3 * COLUMNS; i++) {
         data->samples[i] = 0.25f;
     }

@@ -34,8 +34,8 @@ static enc_data *empty(void) {
     return data;
 }
 
-/* sum of `rank` products of non-negative factors whose size halves from one to the next, values in [0, 1];
- * texels of the upper half use other factors than those of the lower when halves is set. */
+/* A sum of `rank` products of non-negative factors, each half as large as the one before; values are in [0, 1]. With
+ * `halves` set, texels of the upper half have other factors than those of the lower. */
 static enc_data *low_rank(size_t rank, bool halves) {
     enc_data *data = empty();
     uint32_t state = 7;
@@ -93,7 +93,7 @@ static pca_factors factorise(const enc_context *context, const enc_data *data, p
     return factors;
 }
 
-/* A matrix of rank 5 is its five components, whose rows are orthonormal, and nothing more. */
+/* A matrix of rank 5 gives five components with orthonormal rows, and no others. */
 TEST(test_recovers) {
     enc_data *data = low_rank(5, false);
     pca_factors f = factorise(&two, data, PCA_LINEAR, 8);
@@ -130,7 +130,8 @@ TEST(test_recovers) {
     enc_data_destroy(&data);
 }
 
-/* Eckart and Young: the error is what the left-out components hold, for every rank; so it never rises. */
+/* For every rank the squared error is the energy of the components left out (C. Eckart and G. Young, 1936), so it never
+ * rises with the rank. */
 TEST(test_ranks) {
     enc_data *data = noise();
     enc_data *clipped = noise();
@@ -219,7 +220,7 @@ TEST(test_rounding) {
     enc_data_destroy(&data);
 }
 
-/* Data made of two subspaces of rank 3: two clusters of rank 3 hold it, one does not. */
+/* Data from two subspaces of rank 3: two clusters of rank 3 represent them exactly, one does not. */
 TEST(test_clusters) {
     enc_data *data = low_rank(3, true);
     pca_factors f = factorise(&two, data, PCA_LINEAR, 12);

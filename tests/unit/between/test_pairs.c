@@ -1,5 +1,5 @@
-/* Images at any directions: what a set of them is taken for, how it is read, what is refused, and the
- * errors that are measured against it.
+/* Sets of images at arbitrary pairs of directions: when a folder is taken for one, how it is read, what is refused, and
+ * the errors that are measured against it.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -57,13 +57,14 @@ SET_TEST(test_a_grid_is_a_grid) {
     char path[PATH];
     set_write(FOLDERS);
     expect_set(ENC_SET_GRID);
-    /* lacking images, it is a damaged grid and not a set of pairs */
+    /* a grid that lacks images is refused as damaged, and not taken for a set of pairs */
     snprintf(path, sizeof path, "%s", set_name_of(FOLDERS, 1, 2, "png"));
     assert_int_equal(remove(path), 0);
     expect_set(ENC_SET_GRID);
 }
 
-/* A slow orbit of the light under one view is a grid of 1 x 4, but without a view from the top no data set. */
+/* The light goes around under one view: a grid of 1 x 4, but without a view from the top it is no data set, so it is
+ * read as pairs. */
 SET_TEST(test_an_orbit_is_pairs) {
     for (int i = 0; i < 4; i++) {
         write_image(name_of((const double[4]){30, 90 * i, 40, 0}), W, H, 0.5f);
@@ -106,7 +107,7 @@ SET_TEST(test_names_and_values) {
     enc_pairs_close(&pairs);
 }
 
-/* Options of data sets hold for pairs, too. */
+/* The options that change how a data set is read apply to pairs, too. */
 SET_TEST(test_options) {
     const enc_read_options options = {.azimuth_cw = true,
                                       .azimuth_offset = 90,
@@ -125,7 +126,7 @@ SET_TEST(test_options) {
     enc_pairs_close(&pairs);
 }
 
-/* The pairs cannot be opened, or one of them not read (or all can), and a message has all of the words. */
+/* Opening the pairs, or reading one of them, must give `expected`, with a message that holds all of the words. */
 static void expect_refused(const enc_read_options *options, btf_result expected, const char *word,
                            const char *other) {
     enc_pairs *pairs = NULL;
@@ -149,8 +150,8 @@ SET_TEST(test_refusals) {
     expect_refused(&components, BTF_ERROR_USAGE, "components", temporary_folder);
 }
 
-/* An image whose name says nothing is told of and left out, as in a data set; a set of such images is
- * refused, unless a table lies beside them. */
+/* An image whose name holds no angles is left out with a warning, as in a data set. A set of such images is refused,
+ * unless a table of names lies beside them. */
 SET_TEST(test_names_that_say_nothing) {
     write_image("frame7.exr", W, H, 0.5f);
     expect_refused(&defaults, BTF_ERROR_BAD_FILE, "frame7.exr", "tl, pl, tv and pv");
@@ -249,7 +250,7 @@ SET_TEST(test_measured_errors) {
     enc_pairs_close(&pairs);
 }
 
-/* Blocks of two pairs give what one block of all does. */
+/* Blocks of two pairs give the same errors as one block of all pairs. */
 SET_TEST(test_blocks) {
     write_pairs();
     enc_pairs *pairs = open_pairs(&defaults);

@@ -1,6 +1,6 @@
-/* Checkpoints (encoder/data/checkpoint.h): what is kept comes back, damage counts as nothing, other data or
- * options are refused, and every stage of `--method paper` (encoder/paper/steps.h) and of
- * `--method joint` (encoder/factor/steps.h) gives the same result from one.
+/* Checkpoints (encoder/data/checkpoint.h): a step that was kept is read back, a damaged one counts as missing, a
+ * checkpoint of other data or options is refused, and every stage of `--method paper` (encoder/paper/steps.h) and of
+ * `--method joint` (encoder/factor/steps.h) gives the same result when it is read from one.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -83,7 +83,7 @@ TEST_WITH(test_keeps, set_up, remove_temporary_folder) {
     put_numbers("a", 10, 5000);
     put_numbers("b", 20, 3);
     put_numbers("b", 30, 0);
-    put_numbers("b", 40, 2); /* the last one counts */
+    put_numbers("b", 40, 2); /* replaces the first */
     assert_true(get_numbers("a", 10, 5000));
     enc_checkpoint_close(&context.checkpoint, false);
     assert_int_equal(open_for(0.5f, "x=1", true), BTF_OK);
@@ -107,7 +107,7 @@ TEST_WITH(test_whose, set_up, remove_temporary_folder) {
     enc_checkpoint_close(&context.checkpoint, false);
 }
 
-/* Cut short anywhere or with any byte changed, a step counts as none. */
+/* A step that is cut short anywhere, or has any byte changed, counts as missing. */
 TEST_WITH(test_damage, set_up, remove_temporary_folder) {
     char path[320];
     size_t size;
@@ -145,7 +145,7 @@ static enc_data *bricks(void) {
     return data;
 }
 
-/* All of them are there; the first `left` stay. */
+/* Checks that all steps are kept, and removes all but the first `left`. */
 static void leave_steps(const char *const *steps, int count, int left) {
     for (int i = 0; i < count; i++) {
         char path[320];
@@ -168,7 +168,8 @@ TEST_WITH(test_paper, set_up, remove_temporary_folder) {
     assert_true(plain.n_centres > 0);
     assert_int_equal(
         enc_checkpoint_open(&context, temporary_folder, "paper", data, false, &context.checkpoint), BTF_OK);
-    for (int left = 5; left >= -1; left--) { /* first none is there; then all; then ever fewer */
+    /* the first encode finds no step, the next all of them, the others ever fewer */
+    for (int left = 5; left >= -1; left--) {
         enc_solution found;
         assert_int_equal(enc_paper(&context, data, &paper, &found, NULL, &stats), BTF_OK);
         const size_t texels = enc_solution_texels(&found), points = texels * 7;
@@ -208,7 +209,7 @@ enum { BUDGET = 6500 };
 static const enc_factor_options both = {
     .budget = BUDGET, .sweeps = 2, .match = ENC_FACTOR_CHOOSE_MATCH, .gain = true};
 
-/* Without match and with it, likewise. */
+/* The same for factors, without match and with it. */
 TEST_WITH(test_factors, set_up, remove_temporary_folder) {
     static const char *const steps[] = {"components-0", "factors-0", "match-0", "matched-0"};
     enc_data *data = bricks();
@@ -230,7 +231,7 @@ TEST_WITH(test_factors, set_up, remove_temporary_folder) {
     enc_data_destroy(&data);
 }
 
-/* Components are taken, but not where they or their plan could not be worked with. */
+/* Components of a checkpoint are used, unless they or their plan are unusable. */
 TEST_WITH(test_wrong_components, set_up, remove_temporary_folder) {
     enc_data *data = bricks();
     const enc_factor_matrix m = enc_factor_matrix_of(&context, data);
@@ -245,8 +246,8 @@ TEST_WITH(test_wrong_components, set_up, remove_temporary_folder) {
     for (int wrong = 0; wrong < 4; wrong++) {
         const float u = found[0].u[3];
         plan = good;
-        plan.words[1][0] += wrong == 1 ? 40 : 0; /* more components than there are */
-        plan.words[0][0] += wrong == 2;          /* a part of a unit */
+        plan.words[1][0] += wrong == 1 ? 40 : 0; /* calls for more components than there are */
+        plan.words[0][0] += wrong == 2;          /* leaves a unit incomplete */
         found[0].u[3] = wrong == 3 ? NAN : u;
         assert_int_equal(enc_factor_keep_components(&m, 0, found, &plan, &unspent), BTF_OK);
         assert_int_equal(enc_factor_take_components(&m, 0, taken, &plan, &out), wrong == 0);

@@ -177,7 +177,7 @@ def main():
             try:
                 bad |= table(changed) == table(data) and print(f'byte {at}: a change is not shown') is None
             except (SystemExit, KeyError, IndexError, ValueError, struct.error, TypeError):
-                pass # it is no such file any more
+                pass # the change left no valid file: noticed
     sys.exit(int(bad))
 
 

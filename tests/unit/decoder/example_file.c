@@ -61,7 +61,7 @@ int main(int argc, char **argv) {
         result = btf_material_save(material, argv[1], &log);
     }
     btf_material_close(&material);
-    if (result == BTF_OK) { /* from the file, as a reader has it */
+    if (result == BTF_OK) { /* decode what was read back from the file */
         result = btf_material_open(argv[1], &log, &material);
     }
     if (result) {

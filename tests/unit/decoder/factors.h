@@ -21,7 +21,7 @@ uint16_t *make_preview(uint32_t width, uint32_t height);
 /* Files to be edited: of factors and every effect, with a picture; of components, of version 1. */
 extern saved factor_file, plain_file;
 
-/* Make them and free them, for cmocka's groups. */
+/* Make and free these files, for cmocka's groups. */
 int setup(void **state);
 int teardown(void **state);
 

@@ -1,6 +1,6 @@
-/* sampling_variance FILE...: how noisy estimates of reflected radiance are that draw lights by the tables
- * of a material, as a multiple of those that draw them by the cosine, under three lights
- * (decoder/SAMPLING.md). By quadrature.
+/* sampling_variance FILE...: compares the noise of two estimates of reflected radiance, by quadrature, under three
+ * lights: one draws directions by the tables of a material (decoder/SAMPLING.md), one by the cosine. Prints the ratio
+ * of their variances.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -27,7 +27,7 @@ enum {
     LIGHTS = AREA + PLACES
 };
 
-/* Cells of the plane of the directions: their lights and solid angles. */
+/* Cells of the plane of section 6: the direction to the light, and the solid angle of each. */
 static float cell_light[CELLS][3];
 static double cell_solid[CELLS];
 
@@ -53,7 +53,7 @@ static double angle_to(const float a[3], const double b[3]) {
     return acos(fmin((double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2], 1)) * 180 / PI;
 }
 
-/* Radiance of a light from a direction. */
+/* The radiance that arrives from a direction. */
 static double shines(int light, const float from[3]) {
     double at[3];
     if (light == WHITE) {

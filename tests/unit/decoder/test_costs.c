@@ -1,4 +1,4 @@
-/* Cost models: files that are read, files that are refused and the reason, and that plans go by their prices.
+/* Cost models: which files are read, which are refused and why, and that plans use their prices.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -27,7 +27,7 @@ TEST(files_are_read) {
                 m.point == 0.5 && m.move == 4 && m.step == 0 && fabs(m.fetch - 12.5) < 1e-12 &&
                 fabs(m.byte - 0.125) < 1e-15 && fabs(m.integer - 0.02) < 1e-15 &&
                 fabs(m.real - 0.03) < 1e-15);
-    /* in any order, with what only tells people; escapes; spaces */
+    /* members in any order, members that only inform people, escapes, spaces */
     assert_int_equal(
         parse(" {\n\t\"float\" : 0.03 ,\"device\":\"a \\\"GPU\\\" \\u0041\\u20ac\\n\", \"variants\": 90,\r"
               "\"deviation\": 0.05, " REST ", \"openbtf_costs\": 1} \n",

@@ -72,7 +72,7 @@ static char *counting_text(const btf_material *material, const btf_shader_option
     return now;
 }
 
-/* The most of each count over pixels, since a neighbour may weigh nothing and is passed over then. */
+/* The most of each count over all pixels, since the shader passes over a neighbour whose weight is 0. */
 static btf_decode_counts run(const btf_material *material, const btf_shader_options *options,
                              double *out_heights) {
     btf_gl_options all = gpu_gl_options(gpu_of_group, options);
@@ -86,7 +86,7 @@ static btf_decode_counts run(const btf_material *material, const btf_shader_opti
     assert_int_equal(btf_gl_upload(material, &all, NULL, &textures), BTF_OK);
     assert_int_equal(btf_gl_bind(textures, program, GPU_FIRST_UNIT, NULL, NULL, NULL), BTF_OK);
     if (options->fold !=
-        BTF_FOLD_NONE) { /* an empty one: how much is read does not depend on what it holds */
+        BTF_FOLD_NONE) { /* an empty fold texture: how much is read does not depend on its values */
         assert_int_equal(btf_gl_fold_create(material, &all, 1, NULL, &fold), BTF_OK);
         btf_gl_fold_bind(fold, program, UNIT_FOLDED, NULL);
     }
@@ -126,7 +126,7 @@ static btf_decode_counts run(const btf_material *material, const btf_shader_opti
     return most;
 }
 
-/* All but operations, which a text does not tell. */
+/* Compares all counts but operations, which cannot be told from a text. */
 static void expect_counts(const char *name, const btf_material *material,
                           const btf_shader_options *options) {
     btf_material_info info = {.struct_size = sizeof info};
@@ -134,7 +134,7 @@ static void expect_counts(const char *name, const btf_material *material,
     btf_material_get_info(material, &info);
     const btf_decode_counts said = btf_count_decode(&info, options),
                             seen = run(material, options, &heights);
-    const bool by_points = options->fold != BTF_FOLD_BOTH; /* that one shows no view */
+    const bool by_points = options->fold != BTF_FOLD_BOTH; /* that fold shows no view */
     if (said.fetches != seen.fetches || said.bytes != seen.bytes || said.look_ups != seen.look_ups ||
         said.moves != seen.moves || (by_points && said.points != seen.points)) {
         fail_msg("%s: fetches %g (seen %g), bytes %g (%g), look-ups %g (%g), moves %g (%g), points %g (%g)",
@@ -177,7 +177,7 @@ static const struct {
       .effects = BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT}},
 };
 
-/* The first material in every way, the others whole. */
+/* The first material is decoded with all options, the others with all effects. */
 TEST(counts_are_the_shader_s) {
     static const struct {
         const char *name;
@@ -221,7 +221,7 @@ TEST(counts_are_the_shader_s) {
                 continue;
             }
             if (m > 0 && w > 0) {
-                continue; /* what the other materials differ in shows in each way of theirs */
+                continue; /* the difference of the other materials shows with any options */
             }
             snprintf(name, sizeof name, "%s, %s", materials[m].name, ways[w].name);
             expect_counts(name, material, &o);

@@ -87,7 +87,7 @@ static bool look_up_record(const btf_directions *d, uint32_t record, vec q, btf_
     return false;
 }
 
-/* Over all records, without the grid. */
+/* The look-up over all records, without the grid. */
 static btf_ref_neighbours look_up_all(const btf_directions *d, vec q) {
     btf_ref_neighbours out = {{0, 0, 0}, {4096, 0, 0}};
     for (uint32_t record = 0; record < d->triangle_count + d->hull_count; record++) {
@@ -98,7 +98,7 @@ static btf_ref_neighbours look_up_all(const btf_directions *d, vec q) {
     return out;
 }
 
-/* Through the grid of the header. */
+/* The look-up through the grid of the header. */
 static btf_ref_neighbours look_up_cell(const btf_directions *d, const size_t *starts, vec q) {
     uint32_t g = d->grid;
     uint32_t cx = (uint32_t)(q.x < 16383 ? q.x : 16383) * g >> 14,
@@ -132,7 +132,7 @@ static void weighted(const btf_directions *d, const btf_ref_neighbours *n, doubl
     }
 }
 
-/* The point of the hull (or of its inside) nearest to q. */
+/* The point of the hull, its inside included, that is nearest to q. */
 static void nearest(const btf_directions *d, vec q, double out[2]) {
     double best = INFINITY;
     bool inside = d->triangle_count > 0;
@@ -159,7 +159,7 @@ static void nearest(const btf_directions *d, vec q, double out[2]) {
     }
 }
 
-/* The longest edge: what one step of a weight can move a point. */
+/* The longest edge: one step of a weight moves the weighted point by at most a 4096th of it. */
 static double longest_edge(const btf_directions *d) {
     double longest = 0;
     for (uint32_t t = 0; t < d->triangle_count; t++) {
@@ -184,8 +184,9 @@ typedef struct list {
     bool straight;          /* see has_straight_corner */
 } list;
 
-/* A corner of the hull on a straight side accepts the whole line across it, also beyond the other side of
- * the hull, which cells there do not list: then they alone say what the answer is. */
+/* Whether a corner of the hull lies on a straight side. Its record accepts a whole line across the hull, also beyond
+ * the other side, where cells do not list it: then a look-up over all records differs, and the cells' answer is
+ * right. */
 static bool has_straight_corner(const btf_directions *d) {
     bool found = false;
     for (uint32_t h = 0; d->triangle_count > 0 && h < d->hull_count; h++) {
@@ -273,7 +274,7 @@ static void check_shape(const char *name, list *l, uint32_t table_height) {
     check_delaunay(d);
 }
 
-/* Halfway along every `every`th edge of the hull, and on a lattice of `step`. */
+/* Checks the middle of every `every`th edge of the hull, and a lattice of points `step` apart. */
 static void check_plane(const list *l, uint32_t every, int step) {
     const btf_directions *d = &l->d;
     for (uint32_t h = 0; h < d->hull_count; h += every) {
@@ -402,7 +403,7 @@ TEST(test_collinear) {
     btf_material *material = with_views(9, line[0]);
     btf_directions d = btf_material_views(material);
     assert_int_equal(d.triangle_count, 0);
-    assert_int_equal(d.hull_count, 16); /* there and back */
+    assert_int_equal(d.hull_count, 16); /* the hull of a line goes there and back */
     btf_material_close(&material);
 
     float corner[4][3]; /* three on a line and one beside it: the middle one is on the hull, too */
@@ -413,7 +414,7 @@ TEST(test_collinear) {
     check_list("three on a line", 4, corner[0], 331);
 }
 
-/* Exact ties: the diagonal that holds the smallest index. */
+/* Of co-circular points the triangulation takes the diagonal that holds the smallest index. */
 TEST(test_cocircular) {
     static const float square[4][3] = {
         {0.6f, 0, 0.8f}, {0, 0.6f, 0.8f}, {-0.6f, 0, 0.8f}, {0, -0.6f, 0.8f}};
@@ -425,7 +426,7 @@ TEST(test_cocircular) {
         btf_material *material = with_views(4, xyz[0]);
         btf_directions d = btf_material_views(material);
         assert_int_equal(d.triangle_count, 2);
-        for (uint32_t t = 0; t < 2; t++) { /* sorted, each beginning with index 0: it is on the diagonal */
+        for (uint32_t t = 0; t < 2; t++) { /* both triangles begin with index 0, so the diagonal holds it */
             assert_int_equal(d.triangles[3 * t], 0);
         }
         btf_material_close(&material);
@@ -450,7 +451,7 @@ TEST(test_cocircular) {
     check_list("octagon", 8, octagon[0], 331);
 }
 
-/* One step of q moves the weighted point by little more than a step, also across edges and over the hull. */
+/* Moving q by one step moves the weighted point by little more than a step, also across edges and beyond the hull. */
 TEST(test_continuity) {
     float xyz[81][3];
     random_ubo2003(xyz);

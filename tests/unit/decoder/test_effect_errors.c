@@ -1,4 +1,4 @@
-/* The errors of the ways to decode: measured where the truth is an integral, stored, read back, refused.
+/* The table of effect errors: measured on data whose errors are known integrals, stored, read back, refused.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -175,7 +175,8 @@ TEST(errors_are_the_integrals) {
             assert_true(without[at + 1] > 0.5f * without[at] && without[at + 1] < 2 * without[at]);
         }
     }
-    /* Differences to the full decode: none of its own, the whole of the gain elsewhere, and no rows at samples. */
+    /* Differences to the full decode: 0 in its own rows, the whole gain in the rows without gain, no rows at
+     * samples. */
     const btf_effect_errors d = btf_material_effect_differences(back);
     assert_true(d.view_bands == RINGS && d.row_count == 8 && d.row_stride == e.row_stride);
     const float *same = find_row(&d, BTF_EFFECT_GAIN, 0), *changed = find_row(&d, 0, 0);
@@ -185,7 +186,7 @@ TEST(errors_are_the_integrals) {
     }
     for (int i = 5; i < (int)d.row_stride; i++) {
         assert_true(same[i] == 0);
-        /* against the data it is the same, but for the chord */
+        /* the error against the data differs from it by no more than the chord */
         assert_true(fabsf(changed[i] - without[i]) < 0.15f * without[i]);
     }
     enc_effect_tables_clear(&tables);
@@ -206,8 +207,8 @@ static void in_band(random_state *r, const float *limits, int band, float out[3]
     out[2] = (float)z;
 }
 
-/* Against black data the error is the mean square of what is decoded. Many ways leave few samples for each:
- * the full decode has more of its own, and its errors are near the truth all the same. */
+/* Against black data the error is the mean square of the decoded radiance. With many variants of decoding each gets few
+ * samples; the full decode gets more, so that its errors are still near the truth. */
 TEST(full_decodes_are_measured_finely) {
     const enc_context context = {.threads = 2};
     enc_direction directions[DIRECTIONS];
@@ -271,8 +272,8 @@ TEST(full_decodes_are_measured_finely) {
     enc_data_destroy(&black);
 }
 
-/* A material of 32 subsets of effects, nine numbers of components and eight levels calls for 6400 rows: those of the first
- * levels are measured, and a file takes them. */
+/* A material with 32 subsets of effects, nine numbers of components and eight levels would need 6400 rows. The encoder
+ * measures those of the first levels only, and a file accepts them. */
 TEST(more_rows_than_a_table_has) {
     enum {
         ALL =
@@ -317,7 +318,7 @@ TEST(more_rows_than_a_table_has) {
     random_material_free(&desc);
 }
 
-/* Every number that cannot be is refused. */
+/* Every impossible number in a table is refused. */
 TEST(wrong_tables_are_refused) {
     const float good[] = {1, 2, 0, 90, 0, 30, 60, 8, 0, 0, 0, 100, 0.1f, 0.2f, 0.3f, 0.4f};
     enum { COUNT = sizeof good / sizeof *good };
@@ -386,7 +387,8 @@ TEST(all_effects_are_measured) {
     random_material_free(&desc);
 }
 
-/* Rows that leave relief or gloss out are there where the material holds it; those say what it is worth. */
+/* The table of errors between the samples may have rows that leave out relief or gloss only where the material holds
+ * it. */
 static void check_rows_without_effects(void) {
     static const uint32_t effects[] = {0, BTF_EFFECT_RELIEF, BTF_EFFECT_GLOSS,
                                        BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS};
@@ -424,7 +426,7 @@ static void check_rows_without_effects(void) {
     }
 }
 
-/* Rows of coarser levels are there in files of version 2, of the levels that the material has. */
+/* The table may have rows of coarser levels only in files of version 2, and only of levels that the material has. */
 static void check_rows_of_levels(void) {
     static const struct {
         float left_out;
@@ -452,7 +454,7 @@ static void check_rows_of_levels(void) {
     }
 }
 
-/* Opens a file of which byte `at` behind the first `name` is changed to `value`, of `size` bytes. */
+/* Opens a copy of the file in which the `size` bytes at `at` after the first `name` are replaced by `value`. */
 static btf_material *open_changed(const void *file, size_t file_size, const char *name, size_t at,
                                   const void *value, size_t size, btf_result expected) {
     uint8_t *bytes = malloc(file_size);
@@ -497,7 +499,7 @@ static void check_attributes_of_levels(void) {
     assert_memory_equal(e.rows, sorted, sizeof sorted);
     btf_material_close(&opened);
 
-    opened = open_changed(bytes, size, level_name, 8, "L", 1, BTF_OK); /* as those readers see it */
+    opened = open_changed(bytes, size, level_name, 8, "L", 1, BTF_OK); /* unknown, as to old readers */
     e = btf_material_between_errors(opened);
     assert_int_equal(e.row_count, 1);
     assert_memory_equal(e.rows, sorted, 7 * sizeof *sorted);
@@ -507,7 +509,7 @@ static void check_attributes_of_levels(void) {
     assert_int_equal(e.row_count, 2);
     assert_memory_equal(e.rows, sorted + 7, 14 * sizeof *sorted);
     btf_material_close(&opened);
-    check_refused(bytes, size, name, 6, 16 + 3); /* which they would not open */
+    check_refused(bytes, size, name, 6, 16 + 3); /* a row that older readers would refuse */
     check_refused(bytes, size, level_name, 6, 3);
     check_refused(bytes, size, level_name, 13, 32 + 3);
     check_refused(bytes, size, level_name, 11, -2);

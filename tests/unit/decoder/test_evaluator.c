@@ -1,5 +1,5 @@
-/* The evaluator of the library against the reference decoder, bit for bit: every variant of the
- * conformance, random and extreme arguments, with the loops for every machine and with those for this one.
+/* The evaluator of the library against the reference decoder, bit for bit: every variant of the conformance tests,
+ * random and extreme arguments, with the portable loops and with those for this machine's instructions.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -19,7 +19,7 @@ enum { MOST = 512 };
 static uint64_t evaluated; /* in all */
 static bool is_long;
 
-/* A material with everything that decodes it. */
+/* A material, and what the evaluator and the reference need to decode it. */
 typedef struct subject {
     const char *name;
     btf_material *material;
@@ -28,7 +28,7 @@ typedef struct subject {
     btf_ref_material levels[BTF_MAX_LEVELS];
 } subject;
 
-/* Arguments, and what the reference makes of them. */
+/* Arguments, and the radiance that the reference gives for them. */
 typedef struct batch {
     size_t count;
     float inputs[MOST][CASE_WORDS]; /* u, v, light, view */
@@ -56,8 +56,7 @@ static uint32_t clamped_level(const subject *s, int32_t level) {
     return level < 0 ? 0 : (uint32_t)level < s->info.levels ? (uint32_t)level : s->info.levels - 1;
 }
 
-/* Half of the arguments share light, view and level with those before, so that groups of all sizes come up.
- */
+/* Half of the arguments share light, view and level with those before, so that groups of all sizes occur. */
 static void draw(random_state *r, const subject *s, size_t count, batch *b) {
     b->count = count;
     for (size_t i = 0; i < count; i++) {
@@ -170,8 +169,8 @@ TEST(test_all_variants) {
     printf("%llu evaluations\n", (unsigned long long)evaluated);
 }
 
-/* Heights so far apart that of the three views one is hidden as far as it may be, its weight at the lower clamp,
- * while another is not: rare among the variants. */
+/* Heights so far apart that one of the three views is hidden as far as possible (its weight is at the lower clamp)
+ * while another is not. The variants rarely have this. */
 TEST(test_occlusion) {
     for (int deep = 0; deep < 2; deep++) {
         const synthetic_spec spec = {.seed = 11,
@@ -210,7 +209,7 @@ TEST(test_occlusion) {
     }
 }
 
-/* Packed arrays, and one light and one view for all, are the same as a table. */
+/* Packed arrays, and one light or view for all, give the same results as a full array of arguments. */
 TEST(test_layouts) {
     static variant list[VARIANT_MAX];
     static batch b;

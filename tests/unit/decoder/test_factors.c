@@ -139,7 +139,7 @@ TEST(test_create_numbers) {
     desc.info.horizon_scale = 0x1p24f;
     btf_material *m = create_accepted(&desc);
     btf_material_close(&m);
-    desc.info.horizon_scale = 0; /* as an input 1 */
+    desc.info.horizon_scale = 0; /* 0 in a desc means 1 */
     m = create_accepted(&desc);
     assert_true(accepted_info(m).horizon_scale == 1);
     btf_material_close(&m);

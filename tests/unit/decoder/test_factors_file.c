@@ -1,4 +1,4 @@
-/* Version 2 of the format in files: the way there and back, parts, words, the picture for viewers.
+/* Version 2 of the format in files: saving and opening, parts, words of factors, the preview.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -26,7 +26,7 @@ TEST(test_round_trip) {
     }
 }
 
-/* Blend roots alone makes version 2, and nothing of factors is written. */
+/* Blending roots alone makes a file of version 2, and nothing of factors is written. */
 TEST(test_roots_without_factors) {
     for (int residual = 0; residual < 2; residual++) {
         random_state r = {9};

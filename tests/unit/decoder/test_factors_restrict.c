@@ -17,7 +17,7 @@ static uint32_t number_of(const btf_directions *whole, const float xyz[3]) {
     return 0;
 }
 
-/* The first units, of the views and lights that are left. */
+/* `small` holds the first units of `whole`, for the views and lights that are left. */
 static void assert_first_units(const btf_material *whole, const btf_material *small, uint32_t level) {
     const btf_material_info info = accepted_info(whole), less = accepted_info(small);
     const btf_directions views = btf_material_views(whole), lights = btf_material_lights(whole),
@@ -102,7 +102,7 @@ TEST(test_restrict) {
         if (btf_material_preview(small)) {
             assert_memory_equal(btf_material_preview(small), preview, 9 * 6 * 8);
         }
-        void *data; /* a material like any */
+        void *data; /* a restriction can be saved like any material */
         size_t size;
         btf_material *back;
         assert_int_equal(btf_material_save_memory(small, NULL, &data, &size), BTF_OK);
@@ -185,7 +185,7 @@ TEST(test_effect_errors) {
     random_material_free(&desc);
 }
 
-/* More directions than layers: version 2 whatever else, where no texture has a layer for each. */
+/* More directions than the layers of a texture need version 2, and no texture with a layer for each of them. */
 TEST(test_many_directions) {
     static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{0}, {0}, {1}};
     random_state r = {16};

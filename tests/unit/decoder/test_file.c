@@ -55,8 +55,8 @@ static void accepted(edit_file *file, const saved *original) {
     btf_material_close(&b);
 }
 
-/* Each channel of each part sampled otherwise, or as no file may: refused before OpenEXRCore unpacks
- * anything. */
+/* A channel that is subsampled, or sampled in a way that OpenEXR forbids, is refused before OpenEXRCore unpacks pixels.
+ * Each channel of each part is tried. */
 TEST(test_sampling) {
     static const unsigned char values[][2] = {{2, 1}, {1, 2}, {2, 2}, {0, 1}, {1, 0}, {255, 255}};
     static const char list[] = "channels\0chlist";
@@ -117,7 +117,7 @@ TEST(test_other_writers) {
             e->parts[p].compression = EXR_COMPRESSION_ZIPS;
         }
         accepted(e, files[f]);
-        e = take(files[f]); /* display windows mean nothing */
+        e = take(files[f]); /* display windows are ignored */
         e->parts[0].display_width = 1;
         accepted(e, files[f]);
         e = take(files[f]); /* private parts, unknown attributes, no provenance */
@@ -130,7 +130,8 @@ TEST(test_other_writers) {
     }
 }
 
-/* OpenEXR's C++ library refuses parts of different display windows; ours is one that covers every part. */
+/* OpenEXR's C++ library refuses parts with different display windows. The writer gives all parts one that covers
+ * them. */
 TEST(test_display_window) {
     edit_file *e = take(&tight_file);
     int width = 0, height = 0;
@@ -398,7 +399,7 @@ TEST(test_directions) {
         hull->values[hull->count - 1 - i] = swap;
     }
     file_refused(e, "outside hull edge");
-    e = take(&paper_file); /* not in order */
+    e = take(&paper_file); /* triangles not in order */
     edit_attribute *cells = edit_find_attribute(e, "openbtf.viewCells");
     int at = 0;
     while (cells->values[at] < 2) {

@@ -66,7 +66,7 @@ static GLint get(GLenum name) {
     return value;
 }
 
-/* Unpacking as an application may have left it; where a texture of its own is bound. */
+/* Sets the pixel-unpacking state as an application may have left it, and binds a texture of the application's. */
 static void set_state(bool odd, GLuint texture) {
     api->ActiveTexture(odd ? GL_TEXTURE5 : GL_TEXTURE0);
     api->BindTexture(GL_TEXTURE_2D, texture);
@@ -75,7 +75,7 @@ static void set_state(bool odd, GLuint texture) {
     api->PixelStorei(GL_UNPACK_SKIP_PIXELS, odd ? 1 : 0);
 }
 
-/* Every texel arrives, whatever the state, which stays. */
+/* Every texel is uploaded, whatever GL state the application left, and that state is restored. */
 TEST(test_upload) {
     const btf_gl_options options = gpu_gl_options(device, NULL);
     btf_gl_light_sampling *s = NULL;
@@ -99,7 +99,7 @@ TEST(test_upload) {
     assert_true(program && plain);
     uint32_t units = 9;
     api->UseProgram(plain);
-    api->BindSampler(GPU_FIRST_UNIT + 1, sampler); /* filters, as no integer texture can be */
+    api->BindSampler(GPU_FIRST_UNIT + 1, sampler); /* it filters, which an integer texture forbids */
     btf_gl_light_sampling_bind(s, program, GPU_FIRST_UNIT, "stone", &units);
     assert_int_equal(units, 2);
     assert_int_equal(get(GL_CURRENT_PROGRAM), (GLint)plain);
@@ -109,7 +109,7 @@ TEST(test_upload) {
     api->ActiveTexture(GL_TEXTURE0);
     btf_gl_light_sampling_bind(s, plain, GPU_FIRST_UNIT + 4, "stone", &units);
     assert_int_equal(units, 0);
-    btf_gl_light_sampling_bind(s, program, GPU_FIRST_UNIT + 4, NULL, NULL); /* of another prefix: none */
+    btf_gl_light_sampling_bind(s, program, GPU_FIRST_UNIT + 4, NULL, NULL); /* no names of this prefix */
 
     static uint32_t in[2000][GPU_INPUTS], out[2000][GPU_OUTPUTS];
     assert_true(triangles + densities <= 2000);

@@ -1,5 +1,5 @@
-/* Hostile files: every prefix, every byte changed, random damage. Nothing may crash, hang or leak; what
- * opens must decode to finite values. Meant for the sanitizers as well: light runs change each byte in one way, in turn.
+/* Hostile files: every prefix, every byte changed, random damage. Nothing may crash, hang or leak; a file that opens
+ * must decode to finite values. Runs under the sanitizers too; light runs change each byte in one of the ways, in turn.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -63,7 +63,7 @@ static void use_material(const btf_material *material) {
     }
 }
 
-/* Opens bytes that lie in a buffer of exactly their size, so that a sanitizer sees a read beyond them. */
+/* Opens bytes from a buffer of exactly their size, so that a sanitizer notices a read beyond them. */
 static bool opens(const uint8_t *data, size_t size) {
     btf_material *material = NULL;
     uint8_t *exact = malloc(size ? size : 1);
@@ -148,7 +148,7 @@ TEST(test_random_damage) {
     }
 }
 
-/* Values that a lone byte reaches seldom, at every aligned and unaligned place of the header. */
+/* Integers that changing a single byte rarely gives, at every offset of the header. */
 TEST(test_extreme_integers) {
     static const uint32_t values[] = {0, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 0x40000000};
     const size_t header = files[1].size < 6000 ? files[1].size : 6000;

@@ -1,5 +1,5 @@
-/* Levels of detail: shapes, files that come back as they were, every refusal, and that the reference
- * decodes a level as it decodes a material made of that level alone.
+/* Levels of detail: shapes, saving and opening, every refusal, and that the reference decodes a level as it decodes a
+ * material made of that level alone.
  *
  * SPDX-License-Identifier: MIT
  */

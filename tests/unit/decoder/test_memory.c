@@ -1,7 +1,7 @@
-/* A failing allocator: the n-th allocation of each call fails, for every n. The call must say so, or do
- * without and give what it gives otherwise, and leave nothing behind. The allocator of the whole process is
- * replaced, so that OpenEXR's allocations fail as well; under a sanitizer, which replaces it too, the cases
- * are skipped.
+/* A failing allocator: the n-th allocation of each call fails, for every n. The call must either return
+ * BTF_ERROR_MEMORY, or succeed without that memory and give the same output; and it must leave nothing behind. The
+ * allocator of the whole process is replaced, so that OpenEXR's allocations fail as well; under a sanitizer, which
+ * replaces it too, the cases are skipped.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -182,7 +182,7 @@ static btf_result do_restrict(const fixture *f) {
     return made(btf_material_restrict(f->material, &f->plan, &log_keep, &m), &m);
 }
 
-/* It has no log. */
+/* btf_plan_effects takes no log. */
 static btf_result do_plan(const fixture *f) {
     btf_plan plan;
     btf_result result = btf_plan_effects(f->material, &f->plan.scene, 1, &plan);
@@ -202,7 +202,7 @@ static btf_result do_save(const fixture *f) {
     return result;
 }
 
-/* To a path: the temporary file must be gone as well. */
+/* Saves to a path: after a failure no temporary file may be left. */
 static btf_result do_save_file(const fixture *f) {
     char path[300];
     make_path("out", path);
@@ -299,8 +299,8 @@ static btf_result do_upload(const fixture *f) {
     return result;
 }
 
-/* `spared`: blocks that may be left. OpenEXR 3.1.5 leaves one when it cannot name an attribute or a channel
- * that it is adding. */
+/* `spared`: how many blocks a failed call may leak. OpenEXR 3.1.5 leaks one when it has no memory for the name of an
+ * attribute or channel that it adds. */
 static void every_failure(const char *name, btf_result (*call)(const fixture *f), long long spared) {
     for (int kind = 0; kind < KINDS; kind++) {
         fixture f = make(kind);
@@ -316,12 +316,12 @@ static void every_failure(const char *name, btf_result (*call)(const fixture *f)
                 print_error("%s: %lld blocks are left when allocation %lld fails\n", name, outstanding, n);
             }
             assert_in_range(outstanding, 0, spared);
-            if (result == BTF_OK) { /* OpenEXR does without some */
+            if (result == BTF_OK) { /* OpenEXR can do without some allocations */
                 assert_true(given == wanted);
             } else {
                 assert_int_equal(message_count, 1);
             }
-            if (until_failure >= 0) { /* none failed */
+            if (until_failure >= 0) { /* the call made fewer allocations: all of them have failed in turn */
                 assert_int_equal(result, BTF_OK);
                 break;
             }

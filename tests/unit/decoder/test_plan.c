@@ -107,7 +107,7 @@ TEST(restrictions_decode_alike) {
             scene.pixels = random_below(&r, 2) ? 1 : 0.3f;
             btf_plan plan;
             assert_int_equal(btf_plan_effects(whole, &scene, 0.5f, &plan), BTF_OK);
-            /* Any subset, whatever a table might say. */
+            /* any subset of effects, also one that no plan would choose */
             plan.effects = info.effects & random_below(&r, 32);
             plan.components =
                 plan.effects & BTF_EFFECT_RESIDUAL ? 1 + random_below(&r, info.components) : 0;
@@ -160,7 +160,7 @@ TEST(restrictions_are_small) {
     void *data;
     size_t size;
     btf_material *back = NULL;
-    assert_int_equal(btf_material_save_memory(small, NULL, &data, &size), BTF_OK); /* a material like any */
+    assert_int_equal(btf_material_save_memory(small, NULL, &data, &size), BTF_OK); /* it can be saved */
     assert_int_equal(btf_material_open_memory(data, size, NULL, &back), BTF_OK);
     decodes_alike(&r, whole, back, &plan, 500);
     btf_free(data);
@@ -238,7 +238,7 @@ static const float known_table[] = {
 };
 /* clang-format on */
 
-/* Bands of views 0..30 and 30..75, one of lights. Rows: what is left out, four means, then each band. */
+/* Bands of views 0..30 and 30..75, one of lights. Rows: the effects left out, four means, then each band. */
 /* clang-format off */
 static const float between_table[] = {
     2, 1, 0, 30, 75, 0, 75,
@@ -252,7 +252,7 @@ static bool is_near(float psnr, double mse) {
     return fabs((double)psnr + 10 * log10(mse)) < 1e-3;
 }
 
-/* Laid out as known_table: what differs from everything decoded. */
+/* Laid out as known_table: the differences to decoding everything. */
 /* clang-format off */
 static const float difference_table[] = {
     2, 1, 0, 30, 75, 0, 75,
@@ -324,7 +324,7 @@ TEST(plans_tell_of_what_lies_between) {
     assert_true(is_near(plan.full_between_psnr_linear, 0.01) && is_near(plan.full_between_psnr_srgb, 0.02));
     assert_true(is_near(plan.between_psnr_linear, 0.01 + 0.00015) &&
                 is_near(plan.between_psnr_srgb, 0.02 + 0.0002));
-    scene.view.theta[1] = 60; /* where nothing is known does not count */
+    scene.view.theta[1] = 60; /* bands without a number do not count */
     assert_int_equal(btf_plan_effects(material, &scene, 0, &plan), BTF_OK);
     assert_true(is_near(plan.full_between_psnr_linear, 0.01));
     scene.view =
@@ -341,8 +341,9 @@ TEST(plans_tell_of_what_lies_between) {
     btf_material_close(&material);
 }
 
-/* Between the samples a plan adds its squared difference to everything decoded; without a table of these, the mean of what
- * the error grows by at the samples and against interpolated data. Where nothing is known between, neither counts. */
+/* Between the samples the predicted error of a plan is that of decoding everything plus the plan's squared difference
+ * to it. Without a table of differences it is the mean of the errors' growth at the samples and against interpolated
+ * data. Where the file knows no errors between the samples, neither counts. */
 TEST(plans_add_differences) {
     enum { CHEAPEST = BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL };
     btf_material *told = make_known(WITH_BETWEEN | WITH_DIFFERENCES | WITH_SAMPLES),
@@ -372,7 +373,8 @@ TEST(plans_add_differences) {
     btf_material_close(&silent);
 }
 
-/* Differences whose bands are not those of the errors are passed over: rows would be read beyond their ends. */
+/* A table of differences is ignored where its bands are not those of the errors: its rows would be read beyond their
+ * ends. */
 TEST(differences_of_other_bands_count_for_nothing) {
     btf_material *other = make_known(WITH_BETWEEN | WITH_SAMPLES | WITH_OTHER_BANDS),
                  *without = make_known(WITH_BETWEEN | WITH_SAMPLES);
@@ -446,8 +448,8 @@ TEST(plans_follow_the_table) {
     btf_material_close(&material);
 }
 
-/* The model that plan.h promises: less is never dearer, and a view that stands still at a sample makes the
- * full decode cheaper too where its groups are a loop. */
+/* The cost model that plan.h promises: decoding less never costs more, and a view fixed at a sample makes the full
+ * decode cheaper too where its groups of components are a loop. */
 TEST(costs_follow_the_model) {
     random_state r = {5};
     const uint32_t all =
@@ -482,7 +484,7 @@ TEST(costs_follow_the_model) {
     assert_true(there < 0.5f * anywhere && there > 0.35f * anywhere); /* measured: 0.40 */
     const float saved = btf_plan_cost(material, &folded, &still) / there;
     assert_true(saved > 0.65f && saved < 0.9f); /* 0.82 */
-    o.components = folded.components = 16;      /* not a loop: nothing is passed over */
+    o.components = folded.components = 16;      /* too few groups for a loop: none is passed over */
     assert_true(btf_plan_cost(material, &o, &still) == btf_plan_cost(material, &o, NULL));
     assert_true(btf_plan_cost(material, &folded, &still) <
                 0.4f * btf_plan_cost(material, &o, &still)); /* 0.30 */
@@ -495,8 +497,8 @@ static float cost_of_residual(const btf_material *material, btf_shader_options o
     return with - btf_plan_cost(material, &o, NULL);
 }
 
-/* Of factors as of all else: less is never dearer, in proportion to the units; u is fetched once where no
- * view shifts its source. */
+/* The same for factors: decoding less never costs more, the cost is in proportion to the units, and u is fetched once
+ * where no view shifts its source. */
 TEST(costs_of_factors_follow_the_model) {
     random_state r = {6};
     static const uint32_t classes[BTF_FACTOR_CLASSES][3] = {{2, 4, 2}, {1, 1, 1}, {5, 2, 3}, {1}, {4}};
@@ -522,7 +524,8 @@ TEST(costs_of_factors_follow_the_model) {
         o.components = 0; /* all */
         assert_true(btf_plan_cost(material, &o, NULL) == last);
     }
-    /* A default file on llvmpipe, with all that is not of its units: nearest directions 0.30 of all, four texels 1.97. */
+    /* Measured on llvmpipe with a file of default options, whole decodes: nearest directions take 0.30 of the time of
+     * interpolated ones, four texels 1.97. */
     const btf_shader_options o = {.struct_size = sizeof o, .leave_out = BTF_EFFECT_SHIFT};
     btf_shader_options nearest = o, bilinear = o, shifted = o;
     nearest.interpolation = BTF_INTERPOLATION_NEAREST;

@@ -1,4 +1,5 @@
-/* Plans where the tables tell of relief, gloss and levels between the samples: what is left out, and what is foretold of it.
+/* Plans where the table of errors between the samples has relief, gloss and levels: which effects a plan leaves out,
+ * and which errors it predicts.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -69,7 +70,8 @@ static btf_plan plan_of(const btf_material *material, float pixels, float tolera
     return plan;
 }
 
-/* Half of the growth that the table tells of each, which add up: 0.02 without relief, 0.025 without gloss. */
+/* A plan counts half of the errors' growth that the table gives, and adds up that of both effects: 0.02 without relief,
+ * 0.025 without gloss. */
 TEST(what_is_worth_less_is_left_out) {
     btf_material *material = make(6), *silent = make(1);
     const struct {
@@ -89,13 +91,14 @@ TEST(what_is_worth_less_is_left_out) {
         assert_true(is_near(plan.between_psnr_linear, 0.01 * (1 + growth / 2)));
         assert_true(is_near(plan.full_between_psnr_linear, 0.01) && plan.components == 8);
         assert_true((lacks == 0) == !(plan.cost < plan.full_cost));
-        assert_int_equal(plan_of(silent, 1, cases[i].tolerance).effects, ALL); /* who knows */
+        assert_int_equal(plan_of(silent, 1, cases[i].tolerance).effects, ALL); /* not known: stay */
     }
     btf_material_close(&material);
     btf_material_close(&silent);
 }
 
-/* What a plan says that an effect is worth is what its tolerance counts, at its level and for its directions. */
+/* The worth that a plan states of an effect is the growth that its tolerance counts, at its level and for its
+ * directions. */
 TEST(worth_is_what_tolerances_count) {
     btf_material *material = make(6), *silent = make(1);
     const struct {
@@ -132,7 +135,7 @@ TEST(worth_is_what_tolerances_count) {
     btf_material_close(&silent);
 }
 
-/* So say btf-info --plan and btf-view. */
+/* The reasons that btf-info --plan and btf-view print state the same numbers. */
 TEST(reasons_tell_what_plans_count) {
     btf_material *material = make(6), *silent = make(1);
     char text[80];
@@ -158,7 +161,8 @@ TEST(reasons_tell_what_plans_count) {
     btf_material_close(&silent);
 }
 
-/* Against interpolated data the error of ways that were not measured changes without gloss as the full decode's does. */
+/* For variants that were not measured, the error against interpolated data is predicted to change without gloss as that
+ * of the full decode does. */
 TEST(errors_without_gloss_are_foretold) {
     btf_material *material = make(6);
     const btf_plan plan = plan_of(material, 1, 0);
@@ -173,8 +177,9 @@ TEST(errors_without_gloss_are_foretold) {
     btf_material_close(&material);
 }
 
-/* At a coarser level the tolerance is a share of what that level loses between the samples: 0.0009 more beside 0.01, half of
- * 0.02, and 0.01 of these without gloss. Where the file does not tell, of its error against the data. */
+/* At a coarser level the tolerance is relative to that level's error between the samples: 0.0009 more beside 0.01,
+ * which is half of 0.02, and 0.01 of these without gloss. Where the file does not have that error, it is relative to
+ * the error against the data. */
 TEST(levels_have_errors_of_their_own) {
     btf_material *material = make(6), *silent = make(3);
     btf_plan plan = plan_of(material, 0.5f, 0.5f);

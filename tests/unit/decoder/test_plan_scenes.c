@@ -1,6 +1,5 @@
-/* Plans for scenes, predicted against measured: within 25 % of the squared error for six scenes of both
- * methods;
- * `--long` on the measured sets of ../shared, where they are there. The table is printed.
+/* The errors that plans predict for scenes against measured ones: within 25 % of the squared error, for six scenes and
+ * both methods. With `--long` also on the measured sets of ../shared, if present. Prints the table.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -14,8 +13,8 @@
 static const enc_context context = {.threads = 2};
 static const float tolerance = 0.5f;
 
-/* 25 % of the squared error; 2 dB for one direction, which may be better or worse than its band, and as much for each
- * of one pair. */
+/* 25 % of the squared error. A scene of one direction may be better or worse than its band: 2 dB, and 2 dB more where
+ * both directions are single. */
 static void expect_near(const btf_scene *scene, double predicted_db, double mse) {
     const double most = scene->view.fixed && scene->light.fixed   ? 1.6 * 1.6
                         : scene->view.fixed || scene->light.fixed ? 1.6

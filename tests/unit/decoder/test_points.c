@@ -1,5 +1,5 @@
-/* Packed points and lists of them in the library: shapes, what is refused when a material is made or opened, the way through a
- * file, what a plan leaves of them, and the shader's textures.
+/* Packed points and lists of them in the library: shapes, what is refused when a material is made or opened, saving and
+ * opening, what a plan's restriction keeps of them, and the shader's textures.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -296,7 +296,7 @@ TEST(test_file_gains) {
     }
 }
 
-/* The words of `separate` are a store too, of version 2. */
+/* An attribute that says `separate` is allowed too, in version 2. */
 TEST(test_separate) {
     random_state r = {7};
     btf_material_desc desc = random_material_desc(3, 2, 4, 3, BTF_LAYOUT_TIGHT, BOTH);
@@ -321,7 +321,8 @@ TEST(test_separate) {
     random_material_free(&desc);
 }
 
-/* A restriction keeps of packed points what is decoded: both, the shift or the gain alone, or neither. */
+/* A restriction keeps the parts of packed points that its plan decodes: both, the shift or the gain alone, or
+ * neither. */
 TEST(test_restrict) {
     random_state r = {8};
     static const uint32_t kept[] = {BOTH, BTF_EFFECT_SHIFT, BTF_EFFECT_GAIN, 0};
@@ -352,7 +353,7 @@ TEST(test_restrict) {
         fewer += info.n_views < VIEWS;
         assert_int_equal(plan_differences(&r, whole, small, &plan, 100, &lit), 0);
         all_lit += lit;
-        /* Decoded whole, it is what the plan says too. */
+        /* decoded with all its effects, the restriction gives the plan's result too */
         btf_material *back = through_a_file(small);
         if (round % 4 == 2) {
             const btf_texture points = btf_material_texture(small, BTF_TEXTURE_POINTS);
@@ -370,7 +371,8 @@ TEST(test_restrict) {
     assert_true(fewer > 20);
 }
 
-/* All of a restriction is what its plan decodes: where that leaves an effect out, shifts are 0 or gains 1. */
+/* Decoding a restriction with all its effects gives what the plan decodes of the whole: where the plan leaves an effect
+ * out, shifts are 0 or gains 1. */
 static void assert_decoded_whole(random_state *r, const btf_material *whole, const btf_material *small,
                                  const btf_plan *plan) {
     const btf_directions views = btf_material_views(whole), lights = btf_material_lights(whole);
@@ -393,7 +395,7 @@ static void assert_decoded_whole(random_state *r, const btf_material *whole, con
     }
 }
 
-/* A restriction keeps lists as long as they take fewer bytes, else as of packed points. */
+/* A restriction keeps lists where they take fewer bytes, else it stores packed points. */
 TEST(test_restrict_lists) {
     random_state r = {11};
     static const uint32_t kept[] = {BOTH, BTF_EFFECT_SHIFT, BTF_EFFECT_GAIN, 0};
@@ -443,7 +445,8 @@ TEST(test_restrict_lists) {
     assert_true(lists > 12 && dense > 12);
 }
 
-/* Bytes of a plan are those of its restriction, its textures those that the shader reads; codes are counted. */
+/* The bytes of a plan are those of its restriction, and its textures those that the shader reads; the cost model counts
+ * fetches of codes. */
 TEST(test_plan) {
     static const uint32_t kept[] = {BOTH, BTF_EFFECT_SHIFT, BTF_EFFECT_GAIN, 0};
     for (int k = 0; k < 8; k++) {
@@ -495,7 +498,7 @@ TEST(test_plan) {
     }
 }
 
-/* The text of a shader names what it reads, and only that. */
+/* A shader declares the textures that it reads, and no others. */
 TEST(test_shader) {
     btf_material_desc desc = make_desc(10, 0, 1);
     btf_material *m = create_accepted(&desc);

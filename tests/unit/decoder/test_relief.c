@@ -1,5 +1,5 @@
-/* Relief and gloss in the library: shapes, what is refused when a material is made or opened, the way
- * through a file, levels, and what a plan leaves of them, bit for bit by the reference.
+/* Relief and gloss in the library: shapes, what is refused when a material is made or opened, saving and opening,
+ * levels, and that a plan's restriction decodes by the reference as the whole does, bit for bit.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -241,7 +241,7 @@ TEST(test_round_trip) {
         btf_material_desc desc = random_material_desc(width, height, 3, 2, BTF_LAYOUT_TIGHT, effects);
         desc.info.levels = most ? BTF_MAX_LEVELS : 1 + random_below(&r, 3);
         random_material_relief(&r, &desc);
-        if (most) { /* of which the last is a map */
+        if (most) { /* the most textures, of which the last is a map */
             desc.info.relief_base = 0;
             desc.info.relief_step = 400;
             desc.info.relief_steps = 3;
@@ -402,7 +402,7 @@ static btf_range random_range(random_state *r) {
     return range;
 }
 
-/* Of a restriction: the plan's effects alone, whose heights are those of the whole. */
+/* A restriction has the plan's effects alone, and the heights of the whole. */
 static void assert_restricted(const btf_material *whole, const btf_material *small, const btf_plan *plan) {
     const btf_material_info a = accepted_info(whole), b = accepted_info(small);
     const bool ended = plan->level >= a.relief_end,
@@ -425,8 +425,8 @@ static void assert_restricted(const btf_material *whole, const btf_material *sma
     }
 }
 
-/* Any plan's restriction decodes to the same bits as the whole, through a file and restricted once more
- * too. */
+/* Any plan's restriction decodes to the same bits as the whole, also after saving and opening, and when restricted once
+ * more. */
 TEST(test_restrict) {
     enum { MATERIALS = 24, PLANS = 6, SAMPLES = 40 };
     random_state r = {8};
@@ -470,7 +470,7 @@ TEST(test_restrict) {
         fewer += accepted_info(small).n_views < info.n_views;
         coarser += accepted_info(small).relief_level > 0;
         btf_material *back = through_a_file(small);
-        plan.level = 0; /* of what is left; its plan is the whole of it */
+        plan.level = 0; /* counts from the first level that is left */
         assert_int_equal(btf_material_restrict(small, &plan, &log_keep, &again), BTF_OK);
         assert_same_material(small, again);
         btf_material_close(&again);
@@ -525,8 +525,8 @@ TEST(test_cost) {
     random_material_free(&desc);
 }
 
-/* The table of effect errors says that without relief and gloss a decode is nearer to interpolated samples,
- * and cheaper: a plan keeps them all the same, but at a sample. */
+/* By this table of effect errors a decode without relief and gloss is cheaper and nearer to interpolated samples. A
+ * plan keeps both all the same, except at a sample. */
 TEST(test_plan) {
     const uint32_t all = BOTH | BTF_EFFECT_RESIDUAL | BTF_EFFECT_SHIFT;
     const float table[] = {1, 1, 0, 90,  0,       90,     (float)all,

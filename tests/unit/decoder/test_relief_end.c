@@ -1,5 +1,5 @@
-/* Relief that ends before the last level of detail: what is refused, the way through a file, what levels
- * decode, and what restrictions, plans and shaders make of it.
+/* Relief that ends before the last level of detail: what is refused, saving and opening, how levels decode, and how
+ * restrictions, plans and shaders treat it.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -64,7 +64,7 @@ static void *save(const btf_material *m, size_t *size) {
     return data;
 }
 
-/* Of a material of all levels with relief the attribute is not written, so that the file is what it was. */
+/* The attribute is not written where all levels have relief, so that such files are the same as before it existed. */
 TEST(test_file) {
     for (uint32_t end = 1; end <= LEVELS; end++) {
         btf_material *m = make(BOTH, end), *opened;
@@ -81,7 +81,7 @@ TEST(test_file) {
         edit_free(e);
         assert_int_equal(btf_material_open_memory(data, size, &log_keep, &opened), BTF_OK);
         assert_int_equal(accepted_info(opened).relief_end, end);
-        for (uint32_t level = 0; level < LEVELS; level++) { /* so that mip chains are whole */
+        for (uint32_t level = 0; level < LEVELS; level++) { /* all have heights: mip chains are whole */
             assert_int_equal(btf_material_level_texture(opened, level, BTF_TEXTURE_HEIGHTS).size,
                              (WIDTH >> level) * (HEIGHT >> level));
         }
@@ -150,7 +150,7 @@ static int differences(const btf_material *a, const btf_material *b, uint32_t le
     return differ;
 }
 
-/* From the end on all is as without relief, to the bit, and before as in a file without an end. */
+/* From the end on levels decode as without relief, and before it as in a file without an end, bit for bit. */
 TEST(test_levels_decode) {
     const uint32_t effects = BOTH | BTF_EFFECT_SHIFT | BTF_EFFECT_GAIN;
     btf_material *whole = make(effects, 0);
@@ -177,7 +177,8 @@ static btf_plan plan_of_level(const btf_material *m, uint32_t level) {
     return plan;
 }
 
-/* Levels that are cut away bring the end nearer; where none with relief is left, all of it goes. */
+/* When a restriction drops the first levels, the end counts from the first one that is left; where none with relief is
+ * left, relief is dropped. */
 TEST(test_restrict) {
     random_state r = {3};
     int all_lit = 0;
@@ -187,7 +188,7 @@ TEST(test_restrict) {
                 btf_material *whole = make(gloss ? BOTH : RELIEF, end), *small;
                 btf_plan plan = plan_of_level(whole, level);
                 int lit;
-                plan.effects |= RELIEF; /* also of a plan that somebody wrote */
+                plan.effects |= RELIEF; /* also in a plan that a caller changed by hand */
                 plan.shader.leave_out = 0;
                 plan.shader.filter = (btf_filter)(end % 3);
                 assert_int_equal(btf_material_restrict(whole, &plan, &log_keep, &small), BTF_OK);
@@ -241,7 +242,7 @@ TEST(test_plan) {
     random_material_free(&desc);
 }
 
-/* A material whose levels all have relief gives the text that it gave before there was an end. */
+/* A material whose levels all have relief gives a shader without a trace of the end. */
 TEST(test_shader) {
     const btf_shader_options options = {.struct_size = sizeof options};
     for (uint32_t end = 1; end <= LEVELS; end++) {

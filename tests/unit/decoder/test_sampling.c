@@ -1,5 +1,5 @@
-/* Light sampling: its density is one, samples follow it, estimates are those of quadrature, and materials
- * that reflect nothing or have few lights are sampled too.
+/* Light sampling: the density integrates to one, samples follow it, estimates agree with quadrature, and materials that
+ * reflect nothing or have few lights are sampled too.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -65,7 +65,7 @@ static double plane_cell(int i, int j, int n, float out[3]) {
 
 enum { BINS = 12, FINE = 120 };
 
-/* Expected share of each bin of BINS x BINS, and the sum over all. */
+/* Writes the expected share of samples in each of BINS x BINS bins, and returns their sum. */
 static double integrate(const subject *s, const float view[3], double expected[BINS][BINS]) {
     double total = 0;
     const int n = BINS * FINE;
@@ -180,7 +180,8 @@ TEST(test_estimate) {
     close_subject(&s);
 }
 
-/* Without triangles the density is the cosine's; rounded to the plane, lights of a meridian may have thin ones. */
+/* Without triangles the density is that of the cosine. Lights on one meridian may have thin triangles, because the
+ * plane's coordinates are rounded. */
 TEST(test_few_lights) {
     for (uint32_t n = 1; n <= 5; n++) {
         synthetic_spec spec = shiny();
@@ -237,7 +238,7 @@ TEST(test_arguments) {
         assert_true(p == 0 && light[2] == 1);
         assert_true(pdf(&s, bad[i], views[0]) == 0 && pdf(&s, views[0], bad[i]) == 0);
     }
-    for (int i = 0; i < 64; i++) { /* the ends of the random numbers */
+    for (int i = 0; i < 64; i++) { /* the least and the greatest random numbers */
         static const uint32_t ends[] = {0,          1,          0x7FFFFFFF, 0x80000000,
                                         0xBFFFFFFF, 0xC0000000, 0xFFFFFF00, 0xFFFFFFFF};
         float light[3], p;

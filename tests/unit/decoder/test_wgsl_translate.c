@@ -1,4 +1,4 @@
-/* WGSL of GLSL, construct by construct: what the translator writes, and what it refuses.
+/* The translator from GLSL to WGSL, construct by construct: what it writes, and what it refuses.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -7,7 +7,7 @@
 
 #include <openbtf/shader.h>
 
-/* GLSL, and the lines of WGSL that must stand in its translation, one behind the other, without indentation. */
+/* GLSL, and lines that its translation must hold in this order, indentation aside. */
 typedef struct pair {
     const char *glsl;
     const char *lines[8];
@@ -92,7 +92,7 @@ TEST(constructs_are_translated) {
          {"fn f(from__: i32, fn__: i32) -> i32 {", "let let__: i32 = from__;", "let array__: i32 = fn__;"}},
         {"struct function { int a; }; int f(int texture_2d) { return texture_2d; }",
          {"struct function__ {", "fn f(texture_2d__: i32) -> i32 {"}},
-        /* Names that the translator makes are none of the text's. */
+        /* Names that the translator makes up differ from all names of the text. */
         {"vec2 f(vec2 a) { vec2 moved = a; moved.xy = moved.yx; return moved; }",
          {"var moved: vec2f = a;", "let moved__: vec2f = moved.yx;", "moved.x = moved__.x;"}},
         {"void g(out int a) { a = 1; } int f() { int kept_1 = 2; ivec2 v = ivec2(3); g(v.x); return "
@@ -151,7 +151,7 @@ TEST(constructs_are_translated) {
 
 TEST(other_glsl_is_refused) {
     static const char *const wrong[][2] = {
-        /* What is wrong is named, not what follows it. */
+        /* The message names the error itself, not one that follows from it. */
         {"float f(float x) { return foo(x, 1.0, x) + 2.0; }",
          "no function that is defined above has this name and these parameters at \"foo\""},
         {"float f(float x) { return x + 1; }", "this operation on these types at \"+\""},
@@ -189,7 +189,7 @@ TEST(other_glsl_is_refused) {
          "9, 10, 11, 12, 13, 14, 15, 16, 17); }\n",
          "another number of arguments"},
         {"#if 0\n#elif 1\n#endif\n", "this directive"},
-        /* What is assigned has no side effects. */
+        /* The left side of an assignment may have no side effects. */
         {"int f(int a[4]) { int i = 0; a[++i] = 3; return i; }",
          "named by an expression with a side effect"},
         {"int f(int a[4]) { int i = 0; ++a[++i]; return i; }", "named by an expression with a side effect"},
@@ -250,7 +250,7 @@ TEST(other_glsl_is_refused) {
     }
 }
 
-/* Brackets, operators, statements and conditions in one another, 100,000 deep: refused, where a stack would run over. */
+/* Brackets, operators, statements and conditions nested 100,000 deep are refused, before the stack overflows. */
 TEST(depth_is_bounded) {
     enum { DEEP = 100000 };
     static const char *const parts[][3] = {
@@ -286,7 +286,7 @@ TEST(depth_is_bounded) {
     }
 }
 
-/* A chain of macros, each the body of the one before, and each no deeper in the text than the last. */
+/* A chain of macros, each of whose bodies is the next macro, is bounded though the text itself is not nested. */
 TEST(chains_of_macros_are_bounded) {
     enum { CHAIN = 20000, LINE = 40 };
     char *glsl = malloc((size_t)CHAIN * LINE + 100), *text = NULL;
@@ -329,7 +329,7 @@ TEST(doubling_is_bounded) {
     btf_free(text);
 }
 
-/* Comments nest in WGSL: one that opens another would not end. */
+/* Comments nest in WGSL, so a comment that holds the beginning of another would not end there. */
 TEST(comments_that_nest_are_dropped) {
     char *text = NULL;
     assert_int_equal(btf_shader_wgsl("/* One /* two */ int f() { return 1; }", &log_keep, &text), BTF_OK);
@@ -337,7 +337,7 @@ TEST(comments_that_nest_are_dropped) {
     btf_free(text);
 }
 
-/* The self-test's own text; one line of it is looked at here, and browsers run it. */
+/* The text of the self-test is translated; one line is checked here, and browsers run it (tests/web). */
 TEST(the_self_test_is_translated) {
     char *text = NULL;
     assert_int_equal(btf_shader_wgsl(btf_shader_self_test(), &log_keep, &text), BTF_OK);

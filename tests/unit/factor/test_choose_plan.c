@@ -1,4 +1,4 @@
-/* Plans of few units are chosen by trial: the allocation's own goes where another leaves less, and stays
+/* Plans of few units are chosen by trial: the allocation's plan is replaced where another leaves less error, and stays
  * where there are many units.
  *
  * SPDX-License-Identifier: MIT
@@ -62,7 +62,7 @@ static double error_of(const enc_factor_matrix *m, const enc_components componen
     return error.linear;
 }
 
-/* The allocation's plan for so many units of one texel of u, and the one that is chosen. */
+/* Makes the allocation's plan for the bytes of `units` units of one texel of u each, and the plan that is chosen. */
 static void plan(const enc_factor_matrix *m, const enc_components components[3], unsigned units,
                  enc_factor_plan *out_was, enc_factor_plan *out_is) {
     const enc_factor_plan all = {.words = {{4 * units, 0, 0}}};
@@ -102,8 +102,9 @@ TEST(test_trial_beats_expectation) {
     assert_memory_equal(&chosen[0], &chosen[1], sizeof chosen[0]);
 }
 
-/* Rows of a random product of a matrix of one component, as of an all-white channel: multiples of one row, all of whose
- * texels are alike. They become orthonormal all the same, and hold that row, which two rounds do not reach. */
+/* The random product with a matrix of one component, such as an all-white channel, has rows that are multiples of one
+ * another. They must become orthonormal all the same and span that row; two rounds of orthogonalisation do not reach
+ * this. */
 TEST(test_multiples_of_one_row) {
     enum { RANK = 96, COUNT = 240 };
     enc_data *data = make(&two, 0);

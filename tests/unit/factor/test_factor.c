@@ -1,5 +1,5 @@
-/* The factors of format 2: they recover what they are made of, keep to their budget, fill their units, and
- * lie in their words as FORMAT.md says, which is read back here by a decoder of its own, in double.
+/* The factors of format 2: they recover planted components, keep to their budget, fill their units, and are packed into
+ * words as FORMAT.md says. This file has a decoder of its own for that, in double precision.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -10,8 +10,7 @@
 
 static const enc_context one = {.threads = 1}, two = {.threads = 2};
 
-/* A decoder of the contract.
- * ------------------------------------------------------------------------------------------------ */
+/* --- a decoder written from FORMAT.md --- */
 
 static const int bits_w[5] = {8, 4, 4, 2, 2}, bits_u[5] = {8, 8, 4, 4, 2}, in_word[5] = {4, 8, 8, 16, 16};
 static const int tier_of[5] = {0, 1, 1, 2, 2}, texels_of[5] = {1, 2, 1, 2, 1};
@@ -112,8 +111,7 @@ static double error_of(const enc_data *data, const enc_factors *f, int n_units) 
     return sum / (double)(3 * texels * columns);
 }
 
-/* Data.
- * ------------------------------------------------------------------------------------------------ */
+/* --- data --- */
 
 static enc_data *empty(const enc_context *context, int width, int height, int views, int lights) {
     enc_direction directions[64];
@@ -129,8 +127,8 @@ static enc_data *empty(const enc_context *context, int width, int height, int vi
 
 enum { MOST_TERMS = 160 };
 
-/* Samples whose roots are sums of `terms` products of falling size, and of `noise`; `tint` is the share of
- * them that differs between channels. */
+/* Samples whose square roots are sums of `terms` products of falling size plus `noise`; `tint` is the share of a
+ * product that differs between channels. */
 static void fill(enc_data *data, size_t terms, float tint, float noise) {
     const size_t texels = enc_data_texel_count(data), lights = (size_t)data->n_lights;
     const size_t columns = (size_t)data->n_views * lights;
@@ -198,7 +196,7 @@ static enc_factors *encode(const enc_context *context, const enc_data *data, uin
             const bool pure = k > 0 && 4 * n >= chroma;
             for (int word = 0; word < 4; word++) {
                 assert_true(!pure || scale[word] == scale[0]);
-                assert_true(k == 0 || scale[word] > 0); /* no word is half full, nor empty */
+                assert_true(k == 0 || scale[word] > 0); /* all words are in use */
                 assert_true(scale[word] == 0 || (scale[word] >= 0x1p-24f && scale[word] <= 0x1p24f));
             }
             n_texels += texels_of[k];
@@ -214,8 +212,7 @@ static enc_factors *encode(const enc_context *context, const enc_data *data, uin
     return f;
 }
 
-/* Cases.
- * ------------------------------------------------------------------------------------------------ */
+/* --- cases --- */
 
 /* The encoder's measured error is that of the packed words. */
 TEST(test_words_decode_to_what_was_measured) {
@@ -260,7 +257,7 @@ static void randomise(enc_factor_codes *codes, int c, uint32_t *state) {
     }
 }
 
-/* A plan with all classes, with words of all channels, mixed and pure units: what is packed comes out. */
+/* A plan with all classes, words of all channels, mixed and pure units: unpacking gives what was packed. */
 TEST(test_every_class_round_trips) {
     static const enc_factor_plan plan = {{{5, 2, 1}, {6, 1, 1}, {9, 2, 1}, {2, 1, 1}, {7, 0, 1}}};
     static const float axis[3] = {0.57735027f, 0.70710678f, 0.40824829f};
@@ -337,7 +334,7 @@ TEST_OF_NUMBERS(test_recovers) {
     enc_data *data = textured(16, 9, 6, 0.2f, 0);
     enc_factors *f = encode(&two, data, units(data, 2.1), ENC_FACTOR_SWEEPS);
     assert_true(f->classes[0][0] == 2);
-    /* codes that the six leave free make up for their rounding, which alone leaves 52 / 54 dB; the same for any threads */
+    /* the unit's free codes make up for the rounding of the six components, which alone leaves 52 / 54 dB */
     assert_true(f->components[0] == 16 && f->error.linear < 1e-6 && f->error.srgb < 1e-6);
     enc_factors *of_five = encode(&five, data, units(data, 2.1), ENC_FACTOR_SWEEPS);
     assert_same(f, of_five);
@@ -346,7 +343,7 @@ TEST_OF_NUMBERS(test_recovers) {
     enc_data_destroy(&data);
 }
 
-/* As many units as fit, and better with more; descent pays. */
+/* The budget is filled with units; a larger one gives less error; descent reduces the error. */
 TEST_OF_NUMBERS(test_budget_is_kept_and_used) {
     enc_data *data = textured(16, 13, 120, 0.3f, 0.1f);
     const uint64_t unit = units(data, 2) - units(data, 1);
@@ -364,7 +361,7 @@ TEST_OF_NUMBERS(test_budget_is_kept_and_used) {
     enc_data_destroy(&data);
 }
 
-/* Each unit that a decoder takes brings it nearer. */
+/* Each further unit that a decoder takes reduces the error. */
 TEST_OF_NUMBERS(test_prefix_is_monotone) {
     enc_data *data = textured(16, 13, 120, 0.3f, 0.1f);
     enc_factors *f = encode(&two, data, units(data, 6), ENC_FACTOR_SWEEPS);
@@ -409,8 +406,8 @@ static enc_factors *encode_from(enc_components basis[3], const enc_data *data, u
     return f;
 }
 
-/* Components of a first encode serve others: of the same budget, the same comes out; of less, what its own
- * components give, nearly; and match, which changes components, leaves those of the basis alone. */
+/* Components of a first encode can be used in others. With the same budget the result is the same; with less it is
+ * nearly that of its own components. Match, which changes components, leaves those that were handed in as they are. */
 TEST_OF_NUMBERS(test_components_serve_other_budgets) {
     enc_data *data = textured(10, 8, 30, 0.3f, 0.05f);
     enc_components basis[3] = {{0}};
@@ -436,7 +433,7 @@ TEST_OF_NUMBERS(test_components_serve_other_budgets) {
     enc_data_destroy(&data);
 }
 
-/* Grey data have no chroma words, and gain by it. */
+/* Grey data take no words of chroma, and the bytes saved reduce the error. */
 TEST(test_grey) {
     enc_data *grey = textured(12, 9, 60, 0, 0), *tinted = textured(12, 9, 60, 0.5f, 0);
     enc_factors *f = encode(&two, grey, units(grey, 3), 2), *g = encode(&two, tinted, units(grey, 3), 2);
@@ -473,8 +470,8 @@ TEST(test_constant_and_black) {
     enc_data_destroy(&data);
 }
 
-/* One view, one light, one texel, and fewer texels than components: nothing fails, and a large budget gives
- * what there is. */
+/* One view, one light, one texel, and fewer texels than components: nothing fails, and a large budget gives all
+ * components that exist. */
 TEST(test_small_sizes) {
     static const int sizes[][4] = {
         {16, 16, 1, 20}, {16, 16, 20, 1}, {1, 1, 12, 12}, {4, 3, 20, 20}, {20, 1, 1, 1}};
@@ -507,8 +504,8 @@ TEST_OF_NUMBERS(test_highlights) {
     enc_data_destroy(&data);
 }
 
-/* Highlights up to a hundred times as bright as the rest, in few texels at few lights, are fitted as they are, by their
- * roots: they come back, and so does the rest. The measure clips both at 1. */
+/* Highlights up to a hundred times as bright as the rest, in few texels under few lights, are fitted by their roots
+ * without clipping. Both they and the rest are recovered. The error clips both sides at 1. */
 TEST_OF_NUMBERS(test_highlights_among_others) {
     enc_data *data = textured(16, 9, 12, 0.2f, 0);
     for (size_t t = 0; t < 256; t++) {
@@ -538,7 +535,7 @@ TEST_OF_NUMBERS(test_highlights_among_others) {
     enc_data_destroy(&data);
 }
 
-/* A view that is black has a factor of zero, or codes that come to nothing; the others do not suffer. */
+/* A black view gets factors of 0, or codes whose sum is 0, and the others are as accurate as without it. */
 TEST(test_black_view) {
     enc_data *data = textured(12, 9, 20, 0.2f, 0);
     for (size_t t = 0; t < 144; t++) {

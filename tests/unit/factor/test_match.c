@@ -1,5 +1,5 @@
-/* Match and gain of factors: sources and gains that were planted are found, what the encoder measures is
- * what the reference decodes, threads do not matter, and neither is kept where it does not pay.
+/* Match and gain of factors: planted sources and gains are found, the errors that the encoder measures are those of the
+ * reference decoder, the number of threads does not matter, and both are dropped where they do not pay.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -135,8 +135,8 @@ TEST(test_search_finds_what_was_planted) {
     uproot(&p);
 }
 
-/* A texture of more blocks than one, around whose edges sources lie. Directions are so few that coordinates
- * hold profiles as they are. */
+/* A texture of several blocks, with sources beyond the edges of blocks. There are so few directions that the
+ * coordinates of a profile represent it exactly. */
 enum { WIDE = 140, HIGH = 67, FEW = 3, WIDE_RANK = 4 };
 
 static enc_data *wide_data(void) {
@@ -153,8 +153,7 @@ static enc_data *wide_data(void) {
     return data;
 }
 
-/* The rest that a source, with the gain that suits it best, leaves of a point of Y, of which C1 and C2 have no
- * factors. */
+/* The squared error at a point that a source leaves with its best gain. Only Y has factors. */
 static double left_of(const enc_factor_matrix *m, const enc_factor_codes *codes, const enc_match *match,
                       size_t view, size_t texel, size_t source) {
     float profile[3][FEW];
@@ -180,7 +179,7 @@ static double left_of(const enc_factor_matrix *m, const enc_factor_codes *codes,
     return least;
 }
 
-/* Places along an axis that all of a tile's reach, as match/search.h says. */
+/* Whether all points of a tile can reach a place along an axis, as match/search.h says. */
 static bool reached(int size, int at, int from) {
     const int tile = from / 16 * 16, n = size - tile < 16 ? size - tile : 16;
     const int by = (at - (tile + n - 1 - ENC_MATCH_REACH) + 2 * size) % size;
@@ -276,7 +275,7 @@ TEST(test_users_are_counted) {
     enc_match_clear(&match);
 }
 
-/* The squared distance of the samples' roots from what the factors say; chroma is 0. */
+/* The squared distance of the samples' roots from those that the factors give; chroma is 0. */
 static double distance(const planted *p, const enc_factor_codes *codes, const enc_match *match) {
     double sum = 0;
     for (size_t x = 0; x < TEXELS; x++) {
@@ -296,8 +295,8 @@ static double distance(const planted *p, const enc_factor_codes *codes, const en
     return sum;
 }
 
-/* Descent with the planted sources held comes back to the factors from disturbed ones, and never loses on
- * the way. */
+/* Descent with the planted sources fixed finds the factors again from disturbed ones, and no step increases the
+ * error. */
 TEST(test_descent_lowers_the_error) {
     planted *p = plant(true, 0);
     enc_factor_matrix m = enc_factor_matrix_of(&two, p->data);
@@ -346,7 +345,8 @@ static enc_factors *encode(const enc_context *context, const enc_data *data, boo
 
 enum { BUDGET = 36000 };
 
-/* Shift alone helps, and shift with gain more, where there is such a thing; without it both cost. */
+/* Where sources and gains were planted, shift alone reduces the error, and shift with gain more so; elsewhere both only
+ * cost bytes. */
 TEST_OF_NUMBERS(test_pays_where_it_was_planted) {
     for (int moved = 0; moved < 2; moved++) {
         planted *p = plant(moved, 0.02f);
@@ -406,7 +406,8 @@ static double reference_error(const enc_data *data, const enc_solution *solution
     return sum / (double)(image * LIGHTS * VIEWS);
 }
 
-/* Shifts within -32 .. 31, gains of a scale of sixteen, and the reference sees what the encoder measured. */
+/* Shifts are within -32 .. 31, gains are of a scale of sixteen, and the reference's error is the one that the encoder
+ * measured. */
 TEST(test_reference_decodes_what_was_measured) {
     planted *p = plant(true, 0.02f);
     const enc_factors_settings settings = {.budget = BUDGET,
@@ -435,7 +436,7 @@ TEST(test_reference_decodes_what_was_measured) {
     uproot(&p);
 }
 
-/* Left to choose, the method keeps match and gain where they were planted, and nowhere else. */
+/* The method, when it may choose, keeps match and gain where they were planted, and nowhere else. */
 TEST_OF_NUMBERS(test_is_kept_where_it_pays) {
     for (int moved = 0; moved < 2; moved++) {
         planted *p = plant(moved, 0.02f);
@@ -453,7 +454,7 @@ TEST_OF_NUMBERS(test_is_kept_where_it_pays) {
     }
 }
 
-/* Why match was not tried is told apart from a survey that finds nothing. */
+/* The reason why match was not tried is reported, and differs from that of a survey that found no gain. */
 TEST_OF_NUMBERS(test_says_why_it_was_not_tried) {
     enum { SURVEY, MEMORY, BYTES, REASONS };
     static const char *const told[REASONS] = {"given up after a first search, which left too much error",
@@ -483,8 +484,8 @@ static void count_searches(void *user, btf_log_level level, const char *message)
     *searches += strstr(message, "of the energy is left by") != NULL;
 }
 
-/* Where the first search leaves nearly everything no descent and second search follow it; where it leaves less they
- * do, though what pays may be far away. */
+/* The survey ends after the first search where that reduces the error by almost nothing. Where it reduces it by more,
+ * descent and a second search follow, though the gain may still not pay. */
 TEST(test_a_survey_ends_early) {
     static const double most = 1e-4; /* neither pays */
     for (int moved = 0; moved < 2; moved++) {
@@ -515,8 +516,8 @@ TEST(test_a_survey_ends_early) {
     }
 }
 
-/* The rounds end with as many components as the plan before them holds. Where the allocation, which fills whole units,
- * holds fewer of these in another plan, the earlier plan stays, and with it the bytes of the budget are used. */
+/* The rounds end with as many components as the plan before them holds. The allocation fills whole units; where it
+ * would hold fewer components in another plan, the earlier plan stays, so that the budget is used. */
 TEST_OF_NUMBERS(test_rounds_leave_no_unit_unused) {
     static const size_t ranks[3] = {96, 48, 48};
     enum { UNIT = 16 * (16 * 16 + COLUMNS) };
@@ -556,7 +557,7 @@ TEST_OF_NUMBERS(test_rounds_leave_no_unit_unused) {
     enc_data_destroy(&data);
 }
 
-/* Levels of detail decode, without match, with what they share. */
+/* Coarser levels have no match and decode with the factors that all levels share. */
 TEST(test_levels_have_no_match) {
     planted *p = plant(true, 0.02f);
     const enc_factors_settings settings = {.budget = BUDGET,

@@ -1,5 +1,5 @@
-/* The search for the fewest bytes that reach a quality: it ends at them, in few tries, also where what
- * comes out departs from what is expected.
+/* The search for the fewest bytes that reach a quality: it finds them in few tries, also where results differ from what
+ * the search expects.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -16,7 +16,7 @@ static void begin(const enc_factor_energies *energies, double quality, double de
                                   decibels, out));
 }
 
-/* dB that come out of a budget: of the allocation's a share, and some more. */
+/* The quality in dB that a budget gives: a share of what the allocation predicts, and an offset. */
 static double outcome(const enc_quality_search *s, size_t i, double share) {
     return share * s->expected[i] + 21;
 }

@@ -1,5 +1,5 @@
-/* The count of components that are signal, and the bytes that are worth spending: of data whose signal
- * and noise are known, against the truth without the noise, which the encoder never sees.
+/* The count of components that are signal, and the bytes that are worth spending, on data whose signal and noise are
+ * known, against the truth without noise, which the encoder never sees.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -31,10 +31,9 @@ static enc_data *empty(const enc_context *context, int side, int directions) {
     return data;
 }
 
-/* Grey roots 0.5 + a sum of `terms` products whose energies over the noise's are those of the spiked model,
- * x2[j] times that of the noise in as many samples as the longer side has, + noise of `deviation`, heavier
- * where `uneven`. data and truth have the same signal; truth has no noise, and is NULL where it is not
- * wanted. */
+/* Grey data of the spiked model. A root is 0.5 + a sum of `terms` products + noise of `deviation`, of varying strength
+ * with `uneven`. The energy of product j is x2[j] times that of the noise in as many samples as the matrix's longer
+ * side. `truth` has the same signal without the noise, and may be NULL. */
 static void fill(enc_data *data, enc_data *truth, size_t terms, const double *x2, double deviation,
                  bool uneven) {
     const size_t texels = enc_data_texel_count(data), lights = (size_t)data->n_lights;
@@ -89,8 +88,8 @@ static void clear(enc_components *components, enc_signal *signal) {
     enc_signal_clear(signal);
 }
 
-/* The mean is a component of luma; of chroma there is noise alone, even or not. The floor is the noise: its
- * variance in each sample of each channel. */
+/* The mean is a component of luma; chroma is noise alone, even or uneven. The noise floor that is found must be the
+ * variance of the noise in a sample, in each channel. */
 TEST(test_noise_is_no_signal) {
     for (int uneven = 0; uneven < 2; uneven++) {
         enc_data *data = empty(&two, SIDE, DIRECTIONS);
@@ -103,16 +102,16 @@ TEST(test_noise_is_no_signal) {
         assert_true(signal.share[0][0] > 0.99 && signal.share[0][1] < 0 && signal.share[1][0] < 0);
         const double noise = 1e-4 * (uneven ? (1.9 * 1.9 + 3 * 0.35 * 0.35) / 4 : 1) * TEXELS * COLUMNS;
         for (int c = 0; c < 3; c++) {
-            assert_true(fabs(signal.floor[c] / noise - 1) <
-                        (uneven ? 0.25 : 0.03)); /* not each kind of column is
-                                                  left out as often */
+            /* wider where uneven: columns of each strength are not left out equally often */
+            assert_true(fabs(signal.floor[c] / noise - 1) < (uneven ? 0.25 : 0.03));
         }
         clear(components, &signal);
         enc_data_destroy(&data);
     }
 }
 
-/* Components far above the noise, and such far below the 3 from which one is worth keeping in square data. */
+/* Components far above the noise count, and those far below do not. In square data one is worth keeping from x2 = 3
+ * on. */
 TEST_OF_NUMBERS(test_counts_what_is_above_the_noise) {
     static const double x2[] = {400, 200, 100, 60, 40, 25, 18, 14, 12, 10, 0.6, 0.5, 0.4, 0.3};
     enc_data *data = empty(&two, SIDE, DIRECTIONS);
@@ -132,7 +131,7 @@ TEST_OF_NUMBERS(test_counts_what_is_above_the_noise) {
     enc_data_destroy(&data);
 }
 
-/* The shares add up to what the components gain at the truth. */
+/* The estimated shares add up to the error against the truth that the components remove. */
 TEST_OF_NUMBERS(test_shares_are_gains_at_the_truth) {
     double x2[20];
     enc_data *data = empty(&two, SIDE, DIRECTIONS), *truth = empty(&two, SIDE, DIRECTIONS);
@@ -165,7 +164,7 @@ TEST_OF_NUMBERS(test_shares_are_gains_at_the_truth) {
     enc_data_destroy(&data);
 }
 
-/* A long tail without noise is signal to the end of what was looked for. */
+/* In noiseless data with a long tail all components that were computed count as signal. */
 TEST_OF_NUMBERS(test_a_tail_is_signal) {
     double x2[300];
     enc_data *data = empty(&two, SIDE, DIRECTIONS);
@@ -200,7 +199,7 @@ TEST_OF_NUMBERS(test_threads_and_storage_do_not_matter) {
         assert_memory_equal(&signal[0].floor[c], &signal[k].floor[c], sizeof(double));
         assert_memory_equal(signal[0].share[c], signal[k].share[c], components[0][c].rank * sizeof(double));
     }
-    /* a channel that nobody asks for keeps what is known */
+    /* a channel that is not asked for keeps its numbers */
     const double kept = signal[1].floor[1];
     const enc_factor_matrix m = enc_factor_matrix_of(&two, data);
     signal[1].rank[1] = 77;
@@ -215,7 +214,7 @@ TEST_OF_NUMBERS(test_threads_and_storage_do_not_matter) {
 }
 
 TEST(test_the_model) {
-    /* square, x2 = 3: y2 = 16/3, the threshold of Gavish and Donoho 2014; below it nothing is gained */
+    /* square data, x2 = 3: y2 = 16/3, the threshold of M. Gavish and D. Donoho, 2014, below which keeping loses */
     assert_true(fabs(enc_signal_share(3, 100, 100, false)) < 1e-12);
     assert_true(enc_signal_share(2.9, 100, 100, false) < 0 && enc_signal_share(3.1, 100, 100, false) > 0);
     for (int k = 0; k < 2; k++) {
@@ -248,14 +247,14 @@ TEST_OF_NUMBERS(test_bytes_stop_at_the_noise) {
                 stopped->unspent.budget == budget);
     assert_int_equal(stopped->unspent.signal[0], 4);
     assert_true(stopped->unspent.ends[0] && stopped->unspent.gain < 0.05);
-    /* the rest of the filled budget went to the noise of the samples */
+    /* the full budget lowers the error at the samples by coding their noise */
     assert_true(filled->error.linear < 0.7 * stopped->error.linear);
     enc_factors_destroy(&stopped);
     enc_factors_destroy(&filled);
     enc_data_destroy(&data);
 }
 
-/* Where every byte pays, all are used; a tolerance that nothing reaches leaves one unit. */
+/* Where every byte pays, the whole budget is used; a tolerance that no unit reaches leaves one unit. */
 TEST_OF_NUMBERS(test_bytes_that_pay_are_used) {
     double x2[200];
     enc_data *data = empty(&two, SIDE, DIRECTIONS);

@@ -1,7 +1,6 @@
-/* A Bonn file of the size that is in use: 400x400 texels, 151 views and lights, 32 components a channel.
- * Prints how long it takes to open and how fast it decodes, and checks values at random places.
- *
- *   bonn_large [FILE]     FILE: keep it there
+/* A Bonn file of the usual size: 400x400 texels, 151 views and lights, 32 components a channel. Prints how long it
+ * takes to open and how fast it decodes, and checks values at random places. * bonn_large [FILE] FILE: where the file
+ * is kept
  *
  * SPDX-License-Identifier: MIT
  */
@@ -18,7 +17,7 @@ enum { SIDE = 400, DIRECTIONS = 151, K = 32, TILE = 16 };
 
 static double directions[DIRECTIONS][2];
 
-/* The rings of Bonn's dome. */
+/* The directions of the dome of the University of Bonn. */
 static void make_directions(void) {
     static const struct {
         double theta, offset;
@@ -42,9 +41,8 @@ static double rough(int x, int y, int channel, unsigned k) {
     return (double)((h ^ h >> 13) >> 8) * 0x1p-24 - 0.5;
 }
 
-/* A rough surface: log luminance falls with the angles, components are waves over directions, and waves and
- * noise over texels. Smooth ones alone are coded to 55 dB by a few components, and an encode ends after
- * them. */
+/* A rough surface: log luminance falls with the angles, components are waves over directions, and waves and noise over
+ * texels. Without the noise a few components would code it to 55 dB, and an encode would end after them. */
 static double of_direction(int view, int light, int channel, unsigned k) {
     const double *v = directions[view], *l = directions[light];
     if (k == 0) {

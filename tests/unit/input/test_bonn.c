@@ -1,7 +1,6 @@
-/* Bonn's binary .btf files (encoder/input/bonn): every kind and form against values
- * computed here from the same factors in double precision, by the layout that is published; a file written
- * out by hand; crops, sizes, fewer components, memory bounds; every truncation and contradiction refused by
- * name.
+/* Bonn's binary .btf files (encoder/input/bonn): every kind and form against values computed here from the same factors
+ * in double precision, by the published layout; a file written byte by byte; crops, sizes, fewer components, memory
+ * bounds; every truncation and contradiction is refused with a message that names it.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -17,7 +16,7 @@
 #include <unistd.h>
 
 enum { W = 7, H = 5, VIEWS = 4, LIGHTS = 6, K = 3 };
-/* Not in paper order, azimuths below 180 and above. */
+/* Directions that are not in paper order, with azimuths below and above 180. */
 static const double views[VIEWS][2] = {{30, 120}, {0, 0}, {75, 240}, {30, 0}};
 static const double lights[LIGHTS][2] = {{15, 90}, {0, 0}, {45, 7.5}, {75, 345}, {60, 10}, {15, 270}};
 static const int view_order[VIEWS] = {1, 3, 0, 2}, light_order[LIGHTS] = {1, 0, 5, 2, 4, 3};
@@ -31,7 +30,7 @@ static int set_up(void **state) {
     return make_temporary_file(state);
 }
 
-/* Numbers that halfs hold, positive and negative, different in every argument. */
+/* Numbers that a half holds exactly, positive and negative, different for all arguments. */
 static double number(int a, int b, int c, int d) {
     const unsigned hash = (unsigned)a * 2654435761u ^ (unsigned)b * 2246822519u ^
                           (unsigned)c * 3266489917u ^ (unsigned)d * 668265263u;
@@ -476,7 +475,7 @@ TEST_WITH(test_truncated, set_up, remove_temporary_file) {
     }
 }
 
-/* Any damage is refused or read, with finite samples; nothing else. */
+/* A damaged file is either refused or read as finite samples. */
 TEST_WITH(test_damaged, set_up, remove_temporary_file) {
     const enc_read_options options = {0};
     context.threads = 1;

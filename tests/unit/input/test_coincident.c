@@ -1,5 +1,5 @@
-/* Lights that stood aside of the camera (encoder/input/light_positions.h): the table and its refusals, what the fit
- * makes of it, and their error told apart.
+/* Lights that had to stand beside the camera where light and view coincide (encoder/input/light_positions.h): the table
+ * and its refusals, the fit with its positions, and the separate report of their error.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -101,8 +101,8 @@ TEST_WITH(test_refusals, make_temporary_file, remove_temporary_file) {
     enc_data_destroy(&data);
 }
 
-/* A retro-reflecting lobe, sharpest where light and view are one; there the light stood 15 degrees aside.
- * With the table the fit explains every sample, without it cannot. */
+/* A retro-reflecting lobe, sharpest where light and view coincide; for these pairs the light stood 15 degrees aside.
+ * With the table the fit explains every sample; without it the fit cannot. */
 TEST_WITH(test_fit, make_temporary_file, remove_temporary_file) {
     const enc_read_options options = {0};
     double error[2];

@@ -1,5 +1,5 @@
-/* Whole data sets give the angles in their names, or in a table, their meaning (encoder/input/grid.h,
- * names_table.h): signs, noise, units, contradictions.
+/* The meaning of angles in file names, or in a table of names, that only the whole data set tells
+ * (encoder/input/grid.h, names_table.h): signs, noise, units, contradictions.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -79,8 +79,8 @@ SET_TEST(test_negative) {
     expect_silent(&plain);
 }
 
-/* A dash behind every key of every name separates; where one name has none it is a minus, and then a theta
- * below 0 is refused rather than read without it. */
+/* A dash after every key of every name is a separator. Where one name lacks it, dashes are minus signs, and then a
+ * theta below 0 is refused and not read without its sign. */
 SET_TEST(test_dashes) {
     write_set("tv-%g-pv-%g-tl-%g-pl-%g.png", 1);
     expect_silent(&plain);
@@ -89,7 +89,7 @@ SET_TEST(test_dashes) {
                        "the dash is read as a minus", NULL);
 }
 
-/* Where every name has a dash behind the same key, the minus is told. */
+/* Where every name has a dash after the same key, it is taken for a minus with a warning. */
 SET_TEST(test_dash_behind_one_key) {
     for (int v = 0; v < VIEWS; v++) {
         for (int l = 0; l < LIGHTS; l++) {
@@ -103,7 +103,7 @@ SET_TEST(test_dash_behind_one_key) {
     expect_said("images have a dash behind the key pv, which is read as a minus");
 }
 
-/* A frame number behind a point is told, as it cannot be told from decimals. */
+/* A frame number after a point gives a warning, as it cannot be distinguished from decimals. */
 SET_TEST(test_frames) {
     write_set("tv%03.0f_pv%03.0f_tl%03.0f_pl%03.0f.0001.png", 1);
     enc_data *data = set_read_folder(&plain);
@@ -244,7 +244,7 @@ SET_TEST(test_tables) {
     }
 }
 
-/* Spreadsheets where the comma is the decimal point, and that separate by commas all the same, quote it. */
+/* Spreadsheets with decimal commas that separate fields by commas all the same put quotes around such numbers. */
 SET_TEST(test_quoted_commas) {
     write_table("table.csv", "file,tv,pv,tl,pl\n", "%s,\"%.1f\",\"%.1f\",\"%.1f\",\"%.1f\"\n");
     char text[4096] = "";
@@ -385,7 +385,7 @@ SET_TEST(test_bad_tables) {
     set_expect_refused(temporary_folder, by_table(), BTF_ERROR_IO, "table.csv", NULL);
 }
 
-/* Entries of a folder that cannot be opened are told, and the rest is read. */
+/* Entries of a folder that cannot be opened give a warning, and the rest is read. */
 SET_TEST(test_folders) {
     write_set("tv%g_pv%g_tl%g_pl%g.png", 1);
     assert_int_equal(symlink("nowhere", path_in("dangling.png")), 0);

@@ -5,7 +5,7 @@
 #include "encoder/input/names.h"
 #include "tests/support/test.h"
 
-/* Reads a name that is its whole data set. */
+/* Reads a name as if it were the only one of its data set. */
 static enc_name_verdict parse_alone(const char *path, enc_name *name, enc_angles *angles) {
     const enc_name_verdict verdict = enc_names_parse(path, name);
     *angles = enc_names_angles(name, name->is_plain);
@@ -31,7 +31,7 @@ static void expect_none(const char *path) {
     }
 }
 
-/* All four angles, one of which nobody can read for sure. */
+/* The name has all four angles, one of which is ambiguous: it is refused with these words. */
 static void expect_bad(const char *path, const char *bad, const char *why) {
     enc_name name;
     enc_angles a;
@@ -126,8 +126,9 @@ TEST(test_numbers) {
     expect_bad("pl5/tl30 pl(60) tv15 pv30.png", "pl(60) tv15 pv30", "sign");
     expect("plm2_tl30_pl60_tv15_pv30.png", 30, 60, 15, 30); /* another word */
     expect("tl30_pl60_tv15_pv30_plm2.png", 30, 60, 15, 30);
-    expect_bad("tv5/tl0 pl0 tv22x5 pv0.png", "tv22x5 pv0", "part of the number"); /* no folder helps out */
-    expect("tv22x5/tl0 pl0 tv5 pv0.png", 0, 0, 5, 0); /* nor spoils what it has no say in */
+    /* a folder's tv is no substitute for a faulty one, and does no harm where it is not needed */
+    expect_bad("tv5/tl0 pl0 tv22x5 pv0.png", "tv22x5 pv0", "part of the number");
+    expect("tv22x5/tl0 pl0 tv5 pv0.png", 0, 0, 5, 0);
 }
 
 TEST(test_doubts) {

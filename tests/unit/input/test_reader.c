@@ -148,7 +148,7 @@ SET_TEST(test_xyz) {
     set_expect(data, 2e-5);
     enc_data_destroy(&data);
 
-    /* files that say so themselves are not taken for RGB */
+    /* files whose own attributes say XYZ are not read as RGB */
     float xyz[W * H * 3] = {0};
     write_exr_tiled(set_name_of(UTIA, 2, 2, "exr"), W, H, 3, "XYZ", xyz);
     set_expect_refused(temporary_folder, &(enc_read_options){0}, BTF_ERROR_BAD_FILE,
@@ -354,8 +354,8 @@ SET_TEST(test_refused_values) {
     }
 }
 
-/* Half of the images say that they are linear, and one has a profile: each is told once, with a count, the first file
- * and its value; --transfer has the last word. */
+/* Half of the images say that they are linear, and one has a profile: each fact gives one warning with a count, the
+ * first file and its value. --transfer overrides both. */
 SET_TEST(test_notes) {
     const enc_read_options options = {0};
     unsigned char codes[W * H * 3];
@@ -396,7 +396,7 @@ SET_TEST(test_notes) {
     assert_null(strstr(all_messages, "gAMA"));
 }
 
-/* Primaries are converted, but where --colour says what the values are. */
+/* Primaries named in a file are converted, unless --colour says what the values are. */
 SET_TEST(test_primaries) {
     static const float p3[8] = {0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f};
     for (int v = 0; v < VIEWS; v++) {

@@ -1,6 +1,5 @@
-/* Where samples lie (encoder/data/data.h, encoder/input/source.h): in memory or a scratch file, read from
- * archives, and sets of
- * ../shared against another reader's values.
+/* Samples in memory and in a scratch file (encoder/data/data.h, encoder/input/source.h), sets in archives, and sets of
+ * ../shared against the values of another reader.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -36,7 +35,7 @@ SET_TEST(test_scratch_file) {
         assert_non_null(strstr(all_messages, "scratch file in"));
         struct stat status;
         assert_int_equal(fstat(scratch->scratch_fd, &status), 0);
-        assert_int_equal(status.st_nlink, 0); /* nobody else sees it */
+        assert_int_equal(status.st_nlink, 0); /* the scratch file has no name */
         float *buffer = malloc(stride * texels * sizeof *buffer);
         const float *samples;
         assert_int_equal(enc_data_texels(&set_context, scratch, 0, texels, buffer, &samples), BTF_OK);

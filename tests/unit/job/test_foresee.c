@@ -1,4 +1,4 @@
-/* The error that is foreseen of factors, against that of an encode.
+/* The predicted error of factors against that of an encode.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -56,9 +56,9 @@ static double db(double x) {
     return -10 * log10(x);
 }
 
-/* At most 1.5 dB more than an encode measures, for spectra steep and flat, and at most 2.5 dB less: an encode
- * chooses a plan of so few units by trial (choose_plan.h), which gains up to 1 dB here. The same bits for any
- * number of threads. */
+/* The predicted quality is at most 1.5 dB above the measured one, for steep and flat spectra, and at most 2.5 dB below:
+ * an encode chooses a plan of so few units by trial (choose_plan.h), which gains up to 1 dB here. The prediction has
+ * the same bits for any number of threads. */
 TEST(test_the_error_is_foreseen) {
     static const double powers[] = {1, 2};
     static const uint64_t units[] = {1, 3};

@@ -1,4 +1,4 @@
-/* The least memory of an encode: who is refused, what the message names, and that large data fit.
+/* The least memory of an encode: which limits are refused, what the message names, and that large data fit.
  *
  * SPDX-License-Identifier: MIT
  */

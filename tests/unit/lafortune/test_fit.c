@@ -1,5 +1,5 @@
-/* The Lafortune fit: its sums against plain double arithmetic, its derivatives against differences, known
- * materials recovered, and data that no model fits.
+/* The Lafortune fit: its sums against plain double arithmetic, its derivatives against differences, known materials
+ * that it must recover, and data that no model fits.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -245,7 +245,7 @@ TEST(test_gram) {
     free(p);
 }
 
-/* J^T f of the projected problem is half the gradient of the cost: against central differences of it. */
+/* J^T f of the projected problem is half the gradient of the cost: compared with central differences of the cost. */
 TEST(test_normal_equations) {
     pairs *p = make_pairs();
     for (int rgb = 0; rgb < 2; rgb++) {
@@ -326,7 +326,8 @@ TEST(test_recovers_lobes) {
     free(p);
 }
 
-/* Not more than 2 % above what Ceres finds with automatic derivatives and all the time it wants. */
+/* The fit's cost is at most 2 % above the one that Ceres reaches with automatic derivatives and without a limit of
+ * steps. */
 TEST(test_against_ceres) {
     pairs *p = make_pairs();
     fill_targets(p, three_lobes, 3, false);
@@ -416,7 +417,7 @@ TEST(test_hopeless_data) {
             }
         }
     }
-    /* No multiplier at all: nothing can be modelled. */
+    /* all multipliers are 0: no model has any effect */
     memset(p->multiplier, 0, sizeof p->multiplier);
     const enc_fit_result result = fit_pairs(p, PAIRS, 2, false, 1e-3, out);
     assert_true(result.diffuse);
@@ -555,7 +556,7 @@ TEST(test_start_and_weights) {
     free(twice);
 }
 
-/* A lobe may not tower between or beyond its samples: one bright sample at the edge of the grid. */
+/* A lobe must not overshoot between or beyond the samples; here one bright sample lies at the edge of the grid. */
 TEST(test_overshoot) {
     pairs *p = make_pairs();
     for (int rgb = 0; rgb < 2; rgb++) {

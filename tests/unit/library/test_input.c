@@ -169,7 +169,7 @@ SET_TEST(test_images_that_are_refused) {
     assert_non_null(strstr(all_messages, "view 4"));
     assert_int_equal(btf_input_image(input, 0, -1, &log, rgb), BTF_ERROR_USAGE);
     assert_int_equal(btf_input_image(input, 0, 0, &log, NULL), BTF_ERROR_USAGE);
-    /* An image that goes while the set is open. */
+    /* An image is removed while the set is open. */
     const char *gone = set_name_of(UBO, 1, 2, "png");
     assert_int_equal(unlink(gone), 0);
     all_messages[0] = '\0';

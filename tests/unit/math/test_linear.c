@@ -121,12 +121,12 @@ TEST(test_eigen) {
     }
 }
 
-/* Of all sizes, also with eigenvalues of one value and of none: a v = x v, orthonormal, in falling order. */
+/* For all sizes: a v = x v, with orthonormal v and falling x, also where eigenvalues are equal or 0. */
 TEST(test_eigen_symmetric) {
     enum { MOST = 70 };
     static double a[MOST * MOST], v[MOST * MOST], values[MOST];
     for (int n = 1; n <= MOST; n += 23) {
-        for (int kind = 0; kind < 3; kind++) { /* any, of rank 2, a multiple of the identity */
+        for (int kind = 0; kind < 3; kind++) { /* general, of rank 2, a multiple of the identity */
             for (int i = 0; i < n; i++) {
                 for (int j = 0; j <= i; j++) {
                     const double x = kind == 0   ? uniform()
@@ -180,7 +180,7 @@ TEST(test_gram_rows) {
     }
 }
 
-/* The product of packed operands, in both packings and for sizes off the tile, against plain sums. */
+/* The product of packed operands against plain sums, in both packings and for sizes that no tile divides. */
 TEST(test_product) {
     const size_t sizes[][3] = {{1, 1, 1}, {12, 32, 8}, {13, 33, 5}, {29, 70, 243}, {5, 100, 1}};
     for (size_t t = 0; t < sizeof sizes / sizeof *sizes; t++) {

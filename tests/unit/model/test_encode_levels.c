@@ -1,6 +1,6 @@
-/* Levels of detail: the area filter against sums over a common subdivision, the fits of both methods
- * against the filtered data and against point samples of level 0, and the same result for any number of
- * threads; file and report, and the maps of levels in files of version 1.
+/* Levels of detail: the area filter against sums over a common subdivision; the fits of both methods against the
+ * filtered data and against point samples of level 0; the same result for any number of threads; file and report; the
+ * maps of levels in files of version 1.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -148,7 +148,7 @@ static enc_data *sample(relief_kind relief, int size) {
                                     .relief = relief,
                                     .width = size,
                                     .height = size,
-                                    .grid = 256, /* a relief of fewer cells is made faster */
+                                    .grid = 256, /* a relief of few cells, which is made faster */
                                     .views = list,
                                     .n_views = count,
                                     .lights = list,
@@ -157,7 +157,7 @@ static enc_data *sample(relief_kind relief, int size) {
     return data;
 }
 
-/* Images of level 0 as a renderer shows them at a lower resolution without levels: one texel of each block. */
+/* Images as a renderer without levels shows them at a lower resolution: one texel of level 0 for each block. */
 typedef struct points {
     enc_image_source images;
     int width, height, w, h, lights;
@@ -234,7 +234,7 @@ static void same(const void *a, const void *b, size_t size) {
     }
 }
 
-/* Through the packer, a file in memory and back: every map. */
+/* Packs a solution, writes it to a file in memory and reads it back: every map is unchanged. */
 static void check_round_trip(const enc_data *data, const enc_solution *base, const enc_levels *levels) {
     const btf_level_error errors[] = {{0, 30, 29, 1000}, {1, 31, 30, 250}};
     const enc_pack_options options = {.layout = BTF_LAYOUT_TIGHT,
@@ -352,7 +352,7 @@ static void fill_level(enc_solution *s) {
     fill(s->residual_texels, texels * s->n_components, -127, 127);
 }
 
-/* No encoder writes such files any more; what they hold comes back. */
+/* Levels of version 1, which the encoder no longer writes, are still read back unchanged. */
 TEST(test_version_1) {
     enum { COMPONENTS = 8, SIZE = 12 };
     enc_data *data = sample(RELIEF_BRICKS, SIZE);

@@ -1,6 +1,5 @@
-/* Factors of version 2 in a solution: packed and unpacked unchanged; their levels are those that
- * FORMAT.md's table of bits says; profiles agree with the reference decoder, and evaluations equal it bit
- * for bit.
+/* Factors of version 2 in a solution: packing and unpacking leaves them unchanged; their levels agree with FORMAT.md's
+ * table of bits; profiles agree with the reference decoder, and evaluations have its bits.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -224,7 +223,7 @@ static void random_direction(float out[3]) {
     out[2] = (float)z;
 }
 
-/* Lights of their own for each view, as gloss has them. */
+/* Evaluates with other lights for each view, as gloss needs. */
 static void check_apart(enc_evaluated_texel *t, const btf_ref_material *m, uint32_t texel,
                         const btf_ref_options *options, const enc_evaluated_at *given) {
     enc_evaluated_at at = *given;
@@ -242,7 +241,7 @@ static void check_apart(enc_evaluated_texel *t, const btf_ref_material *m, uint3
     assert_memory_equal(found[0], expected, sizeof expected);
 }
 
-/* Every number of units at once, subsets of effects; lights below the outermost one as well. */
+/* Evaluates all numbers of units in one call, for subsets of effects, with lights below the outermost sample too. */
 static void check_evaluations(const btf_material *material) {
     static const uint32_t units[] = {UINT32_MAX, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1};
     enum { COUNT = sizeof units / sizeof *units };

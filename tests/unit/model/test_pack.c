@@ -1,5 +1,4 @@
-/* Packing and unpacking are inverse; the atlas is the paper's; the encoder's own decoding agrees with the
- * reference.
+/* Unpacking undoes packing; the atlas is the paper's; the encoder's own decoding agrees with the reference.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -5,7 +5,8 @@
 #include "encoder/nodes/expect.h"
 #include "tests/support/test.h"
 
-/* One candidate whose error with samples left out is `error`, and whose move has the cosine `aim` with it. */
+/* A choice of one candidate. The squared error with samples left out is `error`; `aim` is the cosine between that error
+ * and the candidate's move of the blend. */
 static enc_fit_choice choice_of(double error, double aim, double move, double moves, enc_fit_error at) {
     const double product = aim * sqrt(move * error);
     const enc_fit_moved moved = {error, error - 2 * product + move, move, moves};
@@ -17,15 +18,14 @@ static enc_fit_choice choice_of(double error, double aim, double move, double mo
 
 TEST(test_smooth_error_falls_with_the_fourth_power_of_the_gap) {
     const enc_fit_error none = {0, 0};
-    /* a fit that takes all of the error: a thirtieth is left between the samples, and the fit takes it
-     * there */
+    /* a fit that removes all of the error: a thirtieth is left between the samples, and the fit removes that */
     enc_fit_choice c = choice_of(3e-3, 1, 3e-3, 1e-4, none);
     assert_true(fabs(c.candidate[0].left_out.linear - 3e-3) < 1e-9);
     assert_true(fabs(c.candidate[1].left_out.srgb) < 1e-9);
     assert_true(fabs(c.candidate[0].between.linear - 1e-4) < 1e-9);
     assert_true(fabs(c.candidate[1].gain.linear - 1e-4) < 1e-9);
     assert_true(fabs(c.candidate[1].between.srgb) < 1e-9);
-    /* one that moves away from the error at a right angle: half is left, and the fit only adds its move */
+    /* a fit whose move is at a right angle to the error: half is left, and the fit adds its move to it */
     c = choice_of(3e-3, 0, 1e-4, 1e-4, none);
     assert_true(fabs(c.candidate[0].between.linear - 1.5e-3) < 1e-9);
     assert_true(fabs(c.candidate[1].gain.linear + 1e-4) < 1e-9);
@@ -41,7 +41,7 @@ TEST(test_the_coder_adds_to_both_places) {
     assert_true(fabs(between.srgb - c.candidate[1].between.srgb - 1e-4) < 1e-9);
 }
 
-/* A measurement tells the coder's part, and never that it had none. */
+/* A measurement gives the coder's share of the error, and never a share of 0. */
 TEST(test_the_coder_is_known_better_afterwards) {
     enc_fit_choice c = choice_of(3e-3, 0.5, 1e-3, 5e-4, (enc_fit_error){2e-4, 2e-4});
     c.coder = (enc_fit_error){4e-4, 4e-4};

@@ -1,5 +1,5 @@
-/* Fitted nodes: weights for any list of directions, the transform of data against one in double, and the choice by
- * material against planted functions whose values between the samples are known.
+/* Fitted nodes: weights for any list of directions, the transform of data against one in double precision, and the
+ * choice of a fit by material, against planted functions whose values between the samples are known.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -26,7 +26,8 @@ static list parse(const char *text) {
     return l;
 }
 
-/* Largest of what rows of weights differ from 1 in their sums, and the largest sum of absolute weights. */
+/* Returns by how much the sum of a row of weights differs from 1 at most; *out_gain is the largest sum of absolute
+ * weights. */
 static double sum_error(const float *w, int n, double *out_gain) {
     double worst = 0;
     *out_gain = 0;
@@ -77,7 +78,7 @@ TEST(test_weights_keep_constants_and_kappa_keeps_the_samples) {
     }
 }
 
-/* Lists that no spline goes through stay barycentric, with no message of an error. */
+/* Lists of directions through which no spline goes keep barycentric weights, without an error message. */
 TEST(test_lists_without_a_spline_are_refused) {
     enc_node_fit *fit = NULL;
     enc_direction line[9], same[6];
@@ -91,7 +92,7 @@ TEST(test_lists_without_a_spline_are_refused) {
         assert_int_equal(enc_node_fit_create(&one, line, n, ENC_FIT_POINTS, &fit), BTF_ERROR_UNSUPPORTED);
         assert_null(fit);
     }
-    /* two that are nearly the same: none, or weights that do not tower */
+    /* two directions that nearly coincide: no fit, or one whose weights are not huge */
     const btf_result result = enc_node_fit_create(&one, same, 6, ENC_FIT_POINTS, &fit);
     if (result == BTF_OK) {
         float w[36];
@@ -106,7 +107,7 @@ TEST(test_lists_without_a_spline_are_refused) {
     enc_node_fit_destroy(&fit);
 }
 
-/* A function of a direction that has no corners; strong: how it bends. */
+/* A smooth function of a direction; strong: the strength of its curvature. */
 static double smooth(const float d[3], double strong) {
     return 0.45 + 0.3 * sin(strong * (double)d[0] + 0.3) * cos(strong * (double)d[1]);
 }
@@ -135,7 +136,8 @@ static double blend_error(const list *l, const double *nodes, double most) {
     return sum / 500;
 }
 
-/* Within the hull the error falls; from 75 degrees on, where decoders show the hull's edge, it grows by little. */
+/* The fit reduces the error within the hull. Beyond 75 degrees, where decoders show the hull's edge, the error grows
+ * little. */
 TEST_OF_NUMBERS(test_a_smooth_function_comes_out_better_between) {
     const list l = parse("ubo");
     enc_node_fit *fit = NULL;
@@ -169,7 +171,7 @@ TEST_OF_NUMBERS(test_a_smooth_function_comes_out_better_between) {
     free(l.at);
 }
 
-/* Data of a planted function of view and light; noise: of each sample, on its root. */
+/* Data of a planted function of view and light; noise is added to the root of each sample. */
 static enc_data *planted(const list *views, const list *lights, int side, double strong, double noise) {
     enc_data *data = NULL;
     random_state r = {9};
@@ -206,11 +208,11 @@ TEST_OF_NUMBERS(test_smoothing_is_chosen_where_it_pays) {
     assert_memory_equal(tables.views, same.views, 81 * 81 * sizeof(float));
     enc_node_tables_clear(&tables);
     enc_node_tables_clear(&same);
-    /* of a quality that no fit leaves, none is taken */
+    /* a quality that no fit leaves intact: none is chosen */
     assert_int_equal(enc_fit_choose(&one, bent, true, 99, &coder, &choice, &tables), BTF_OK);
     assert_int_equal(choice.chosen, 0);
     assert_null(tables.views);
-    /* noise has nothing that a spline follows */
+    /* noise has no structure that a spline could follow */
     assert_int_equal(enc_fit_choose(&one, noisy, true, 0, &coder, &choice, &tables), BTF_OK);
     printf("noise: kappa %g, gain %g\n", choice.candidate[choice.chosen].kappa_views,
            choice.candidate[choice.chosen].gain.linear);
@@ -224,7 +226,7 @@ TEST_OF_NUMBERS(test_smoothing_is_chosen_where_it_pays) {
     free(lights.at);
 }
 
-/* A fit adds little at the samples beside the coder's error, or beside one level of 255. */
+/* A fit adds little error at the samples compared with the coder's error, or with one level of 255. */
 TEST_OF_NUMBERS(test_a_fine_coder_bounds_the_smoothing) {
     static const double errors[] = {0, 1e-5, 1e-4, 1e-3, 1e-2};
     const list views = parse("ubo"), lights = parse("ubo");
@@ -254,7 +256,7 @@ TEST_OF_NUMBERS(test_a_fine_coder_bounds_the_smoothing) {
     free(lights.at);
 }
 
-/* A list without a fit leaves the other's; both without leave none. */
+/* Where one list has no fit, that of the other is still used; where neither has, none is. */
 TEST(test_lists_without_a_fit_leave_the_others) {
     static const char *const few[] = {"1", "2", "0:1,40:2"};
     const list ubo = parse("ubo");

@@ -28,7 +28,7 @@ static enc_interpolator *make(const enc_direction *list, int count, enc_interpol
     return made;
 }
 
-/* How far the weights are from giving 1 and the direction's own place in the plane. */
+/* The error with which the weights sum up to 1 and reproduce the direction's own point in the plane. */
 static double affine_error(const enc_weights *w, const enc_direction *list, const float to[3]) {
     double q[2], sum[3] = {-1, 0, 0};
     plane(to, q);
@@ -102,9 +102,9 @@ TEST(test_a_spline_of_five) {
         list[i + 1] = enc_direction_from_angles(theta, 45 + 90 * i);
     }
     enc_interpolator *made = make(list, 5, ENC_INTERPOLATE_SPLINE);
-    /* It is c (4 k(d) - sum over corners of k(d - corner)) + constant with k(r) = r^2 log r: the
-     * coefficients of the kernels sum to zero, and so do their moments. The bracket in the middle and at a
-     * corner: */
+    /* The thin-plate spline (J. Duchon, 1977) is c (4 k(d) - sum over corners of k(d - corner)) + constant with k(r) =
+     * r^2 log r: the coefficients of the kernels sum to zero, and so do their moments. The bracket in the middle and at
+     * a corner: */
     const double s2 = side * side, corner = 2 * s2, edge = 4 * s2, across = 8 * s2;
     const double k_corner = 0.5 * corner * log(corner), k_edge = 0.5 * edge * log(edge),
                  k_across = 0.5 * across * log(across);
@@ -139,7 +139,7 @@ TEST(test_a_line_has_no_spline) {
                      BTF_ERROR_UNSUPPORTED);
     assert_null(made);
     assert_non_null(strstr(last_message, "3 lights"));
-    made = make(list, 1, ENC_INTERPOLATE_SPLINE); /* one sample is everywhere itself */
+    made = make(list, 1, ENC_INTERPOLATE_SPLINE); /* a single sample has all the weight everywhere */
     enc_weights w;
     enc_interpolator_weights(made, list[2].xyz, &w);
     assert_true(w.count == 1 && w.weight[0] == 1);
@@ -153,7 +153,7 @@ TEST(test_nearest_angle) {
     assert_true(enc_nearest_angle(list, 2, list[1].xyz) == 0);
 }
 
-/* A function of both directions that barycentric weights keep, and positive. */
+/* A positive function of both directions that barycentric weights reproduce. */
 static double affine(const float view[3], const float light[3], size_t texel, size_t channel) {
     double v[2], l[2];
     plane(view, v);

@@ -14,7 +14,7 @@ static uint32_t below(uint32_t *state, uint32_t n) {
     return (uint32_t)((uint64_t)*state * n >> 32);
 }
 
-/* Surfaces up to the greatest that a file may hold, of any level; rays from everywhere. */
+/* Surfaces with heights up to the greatest that a file may hold, of any level; rays from all directions. */
 TEST(test_marches_agree) {
     static uint8_t codes[WIDTH * HEIGHT];
     uint32_t random = 1;

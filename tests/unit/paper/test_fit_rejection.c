@@ -1,5 +1,5 @@
-/* The iterative fit (encoder/paper/fit.h): rejection finds shadows, keeps what is nothing but shadow, gives
- * the same bits on any number of threads; options are checked.
+/* The iterative fit (encoder/paper/fit.h): rejection finds shadowed samples, keeps all samples where nearly all look
+ * shadowed, and gives the same bits on any number of threads; options are checked.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -10,7 +10,8 @@
 
 static const enc_context context = {.threads = 2};
 
-/* `texels` in a row, 81 directions, random lobes, a fifth of the light directions shadowed to 5 % in each. */
+/* A row of `texels` texels with random lobes under 81 directions; in each texel a fifth of the lights is shadowed to 5
+ * %. */
 static enc_data *make_data(const enc_context *with, int texels, bool *out_shadow) {
     enc_direction directions[DIRECTIONS];
     fit_directions(directions);

@@ -12,7 +12,7 @@ static const enc_context one_thread = {.threads = 1};
 
 enum { SIDE = 48, TEXELS = SIDE * SIDE, WAVES = 24 };
 
-/* A periodic texture in 0.2 .. 1.8 of waves down to 5 texels, another one for each seed. */
+/* A periodic texture of waves down to 5 texels long, with values in 0.2 .. 1.8; each seed gives another. */
 static void texture(int width, int height, unsigned seed, float *out) {
     uint32_t state = seed * 2654435761u + 12345u;
     double phase[WAVES], weight = 0;
@@ -49,7 +49,7 @@ static void translate(int width, int height, const float *in, int columns, int r
     }
 }
 
-/* Texels whose flow rounds to (columns, rows). */
+/* Counts the texels whose flow rounds to (columns, rows). */
 static int count_flow(const float *flow, int columns, int rows) {
     int n = 0;
     for (int t = 0; t < TEXELS; t++) {
@@ -112,7 +112,8 @@ TEST(test_pair_hides_brightness_jump) {
     assert_int_equal(count_bytes(hidden, TEXELS), 0);
 }
 
-/* Where texel t of a tile lies when mirrored in columns (1), in rows (2), then transposed (4). */
+/* The index of texel t after the tile is mirrored in columns (1), in rows (2), then transposed (4); `how` sums these
+ * up. */
 static size_t lying(int how, int width, int height, int t) {
     int c = t % width, r = t / width;
     c = how & 1 ? width - 1 - c : c;
@@ -120,8 +121,8 @@ static size_t lying(int how, int width, int height, int t) {
     return how & 4 ? (size_t)(c * height + r) : (size_t)(r * width + c);
 }
 
-/* Layers that move differently, under a brightness of their own: nothing that the flow finds everywhere,
- * and what it takes for it is to be the same however the pair lies. */
+/* Layers that move differently and differ in brightness. The flow cannot find their motion everywhere, but its answer
+ * must be the same however the pair is mirrored or transposed. */
 TEST(test_pair_lies_anyhow) {
     enum { WIDE = 32, HIGH = 24, N = WIDE * HIGH };
     static float image[2][N], laid[2][N], found[2 * N], laid_flow[2 * N];
@@ -232,7 +233,7 @@ static int count_shift(const enc_occlusion *o, int view, int columns, int rows) 
 static const int along[VIEWS][2] = {{0, 0}, {-3, 0}, {0, 2}, {2, 2}};
 
 TEST(test_vote_recovers_shifts) {
-    /* the last one off the line of its view by a texel and a half: the flow finds what the estimate cannot */
+    /* the last shift lies a texel and a half off its view's epipolar line: the flow finds it, the estimate cannot */
     static const int astray[VIEWS][2] = {{0, 0}, {-2, 1}, {1, 2}, {3, 1}};
     for (int plain = 0; plain < 2; plain++) {
         for (int off = 0; off < 2; off++) {

@@ -10,7 +10,7 @@
 #include "tests/support/test.h"
 
 static const enc_context context = {.threads = 2};
-static bool is_long; /* every light votes, more texels of the flat one */
+static bool is_long; /* every light votes, and the flat material has more texels */
 
 static double psnr_of(const enc_data *data, const enc_solution *solution, uint32_t effects, bool srgb) {
     enc_sample_decoder *decoder = NULL;
@@ -36,7 +36,7 @@ static double shadow_f1(const uint8_t *codes, const uint8_t *truth, size_t count
     return 2.0 * (double)both / (double)(found + real);
 }
 
-/* The same for the sign as the paper prints it: Error < t_e and BTF < t_btf. */
+/* The same for the test with the sign that the paper prints: Error < t_e and BTF < t_btf. */
 static double printed_sign_f1(const enc_data *data, const enc_solution *s, const uint8_t *truth) {
     const enc_decoded_samples played = {.decoder = NULL, .effects = 0};
     const size_t texels = enc_data_texel_count(data), count = texels * (size_t)data->n_lights;
@@ -73,7 +73,7 @@ TEST(test_bricks) {
     enc_paper_stats stats;
     enc_paper_options paper = enc_paper_options_default();
     if (!is_long) {
-        paper.flow.lights = 27; /* the vote below, which is measured, has all */
+        paper.flow.lights = 27; /* fewer lights, to save time; the vote that is measured below has all */
     }
     assert_int_equal(sample_render(&options, &data, &truth), BTF_OK);
     assert_int_equal(enc_paper(&context, data, &paper, &solution, &occlusion, &stats), BTF_OK);
@@ -84,7 +84,7 @@ TEST(test_bricks) {
     print_message("shadow masks of the top view: F1 %.3f; with the printed sign %.3f\n", f1, printed);
     assert_true(f1 >= 0.8 && printed < 0.5);
 
-    /* shifts as voted: refinement overwrites those of hidden points, so vote again */
+    /* vote again, because refinement overwrote the voted shifts of hidden points */
     enc_occlusion *voted = NULL;
     enc_flow_ring rings[16];
     assert_int_equal(enc_flow_vote(&context, data, &(enc_flow_options){0}, &voted), BTF_OK);

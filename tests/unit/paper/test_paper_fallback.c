@@ -1,5 +1,5 @@
-/* The last line of defence of `--method paper` (encoder/paper/diffuse_fallback.h): when the diffuse fit is
- * taken, what is then left, and when it is not.
+/* The fallback of `--method paper` (encoder/paper/diffuse_fallback.h): when a diffuse fit replaces the model, what
+ * error it leaves, and when it does not.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -103,7 +103,7 @@ static void hear(void *user, btf_log_level level, const char *text) {
     }
 }
 
-/* One sample in 97 of 65504 makes the rejection take all dark samples for shadow. */
+/* One sample in 97 is 65504, which makes the rejection count all dark samples as shadow. */
 TEST(test_taken) {
     for (int rgb = 0; rgb < 2; rgb++) {
         heard h = {0};
@@ -129,7 +129,7 @@ TEST(test_taken) {
     }
 }
 
-/* Effects that were asked for stay, as maps that say nothing. */
+/* Effects that were asked for stay in the file, with maps that have no effect. */
 TEST(test_effects_asked_for) {
     enc_data *data = make_data(&one_thread, 97, 65504);
     enc_paper_options options = options_of(false, false);
@@ -152,7 +152,7 @@ TEST(test_effects_asked_for) {
     enc_data_destroy(&data);
 }
 
-/* Lobes that fit stay. */
+/* A model whose lobes fit is not replaced. */
 TEST(test_left_alone) {
     static const int periods[] = {0, 1999};
     for (int i = 0; i < 2; i++) {
@@ -175,8 +175,8 @@ TEST(test_left_alone) {
     }
 }
 
-/* The fit of the plane, to which stray samples were added afterwards. In squared error the diffuse fit,
- * which saw them, is the better one, by little; but fewer than one sample in a thousand decide nothing. */
+/* Stray samples are added to the data after the fit. The diffuse fit, which saw them, has a slightly smaller squared
+ * error; but fewer than one stray sample in a thousand do not decide. */
 TEST(test_few_strays) {
     static const int periods[] = {97, 1999};
     for (int i = 0; i < 2; i++) {

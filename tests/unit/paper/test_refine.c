@@ -1,4 +1,4 @@
-/* Refinement of the hidden map against a brute-force search written apart from it.
+/* Refinement of hidden points against a brute-force search that was written independently.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -153,7 +153,7 @@ TEST(test_against_brute_force) {
                         }
                     }
                 }
-                assert_true(fabs(least - mean) > 1e-5); /* else the case says nothing */
+                assert_true(fabs(least - mean) > 1e-5); /* otherwise the case would test nothing */
                 assert_int_equal(s.occlusion->hidden[i], least >= mean);
                 const int8_t *shift = s.occlusion->shift + 2 * i;
                 assert_int_equal(shift[0], best[0]);
@@ -169,7 +169,7 @@ TEST(test_against_brute_force) {
     }
 }
 
-/* Some hidden points hold exactly what the model gives elsewhere. */
+/* Some hidden points have exactly the profile that the model gives at another texel. */
 TEST(test_known_points_are_elevated) {
     enum { WIDTH = 12, HEIGHT = 10, TEXELS = 120, VIEWS = 2, LIGHTS = 20 };
     scene s = make_scene(&context, WIDTH, HEIGHT, VIEWS, LIGHTS);

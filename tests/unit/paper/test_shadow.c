@@ -10,13 +10,13 @@
 static const enc_context context = {.threads = 2};
 
 TEST(test_formula) {
-    /* Error > 0.3: 1.3 over 1 is on the line, which is not beyond it. */
+    /* Error > 0.3, strictly: here it equals the threshold */
     assert_false(enc_is_shadowed(1.25f, 1.0f, 0.25f, 2.0f));
     assert_true(enc_is_shadowed(1.2501f, 1.0f, 0.25f, 2.0f));
     /* BTF < threshold_BTF, strictly. */
     assert_false(enc_is_shadowed(1.0f, 0.25f, 0.3f, 0.25f));
     assert_true(enc_is_shadowed(1.0f, 0.2499f, 0.3f, 0.25f));
-    /* Brighter than the model: never. */
+    /* samples brighter than the model are never shadow */
     assert_false(enc_is_shadowed(0.1f, 0.2f, 0.3f, 0.3f));
     /* BTF = 0 under a positive model is shadow, 0 under 0 is not. */
     assert_true(enc_is_shadowed(0.01f, 0.0f, 0.3f, 0.3f));
@@ -29,7 +29,7 @@ TEST(test_formula) {
     assert_true(enc_shadow_ratio(2.0f, 0.4f, 0.3f, 0.3f) == 1.0f);
     assert_true(enc_shadow_ratio(0.5f, 0.0f, 0.3f, 0.3f) == 0.0f);
     assert_true(enc_shadow_ratio(0.0f, 0.0f, 0.3f, 0.3f) == 1.0f);
-    assert_true(enc_shadow_ratio(1e-6f, 0.0f, 0.3f, 0.3f) == 1.0f); /* next to nothing to divide by */
+    assert_true(enc_shadow_ratio(1e-6f, 0.0f, 0.3f, 0.3f) == 1.0f); /* a model too dark to divide by */
     assert_true(enc_shadow_ratio(NAN, 0.0f, 0.3f, 0.3f) == 1.0f);
 }
 

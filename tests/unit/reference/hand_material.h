@@ -14,7 +14,7 @@ typedef struct hand_fixture {
     btf_ref_options o;
 } hand_fixture;
 
-/* One for all tests of a program: each call makes it anew. */
+/* Returns the one material that all tests of a program share; each call resets it. */
 hand_fixture *hand_material(int layout_tight, uint32_t effects);
 
 /* The four numbers of a layer of the SBRDF at a texel. */
@@ -24,15 +24,15 @@ void hand_set_shadow(hand_fixture *f, uint32_t column, uint32_t row, uint32_t li
 void hand_set_view(hand_fixture *f, uint32_t column, uint32_t row, uint32_t view, uint8_t gain, int b0, int b1);
 void hand_set_centre(hand_fixture *f, uint32_t centre, uint32_t light, uint8_t r, uint8_t g, uint8_t b);
 
-/* Texel (column, row) is 1 / (1 + column + 8 row) of white: each has a value of its own. */
+/* The albedo of texel (column, row): 1 / (1 + column + 8 row), which differs between all texels. */
 float hand_albedo(uint32_t column, uint32_t row);
-/* All texels Lambertian, of hand_albedo times 1, 1/2 and 1/4. */
+/* Makes all texels Lambertian, with an albedo of hand_albedo times 1, 1/2 and 1/4 in R, G and B. */
 void hand_set_lambertian(hand_fixture *f);
 
 /* A direction that projects exactly to vertex 0 of views and lights. */
 extern const float hand_pole[3];
 
-/* Texel (column, row), the view that is index `view_index` alone, the light that is `light_index` alone. */
+/* Evaluates texel (column, row) with all the weight on view `view_index` and light `light_index`. */
 void hand_evaluate(const hand_fixture *f, uint32_t column, uint32_t row, uint32_t light_index,
                    uint32_t view_index, const float light[3], const float view[3], float out_rgb[3]);
 

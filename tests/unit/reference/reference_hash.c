@@ -1,8 +1,7 @@
-/* Hashes of what the reference decoder computes: every function of its header on seeded arguments, over
- * made-up materials of every kind, another of materials of version 2, one of packed points, one of lists of
- * them and one of relief and gloss. The same five have to come from every compiler, optimisation level and
- * machine; they are pinned below. Prints them; exits 1 when one is another, 4 when the self-test refuses the
- * build.
+/* Prints five hashes of the reference decoder's results: of every function of its header on seeded arguments, over
+ * made-up materials of every kind of version 1; of materials of version 2; of packed points; of lists of points; of
+ * relief and gloss. Every compiler, optimisation level and machine has to give the hashes that are written below. Exits
+ * 1 when one differs, 4 when the self-test refuses the build.
  *
  * With -DBTF_TEST_FREESTANDING it needs no C library (Linux on aarch64, i386 and x86-64), so that a
  * compiler for another machine and an emulator suffice.
@@ -128,7 +127,7 @@ static uint64_t hash_all(void) {
     return hash;
 }
 
-/** What the later hashes are of. */
+/** The kinds of material that the second to fifth hash are made of. */
 typedef enum subject { VERSION_2, POINTS, LISTS, RELIEF } subject;
 
 /** @return the hash of `count` materials made from `seed`: of version 2, with packed points, with lists of points, with
@@ -169,7 +168,7 @@ static uint64_t hash_number(int number) {
                          : hash_subject(RELIEF, 600, 96);
 }
 
-/** From now on denormal operands and results are 0, where we know how to say so. */
+/** Makes the processor treat denormal operands and results as 0, where this file knows how. */
 static void flush_denormals(void) {
 #if defined __SSE2__
     uint32_t control;
@@ -221,7 +220,7 @@ static int run(char out_text[HASHES * 17]) {
 
 #ifdef BTF_TEST_FREESTANDING
 
-/* Functions that compilers may call without being asked. */
+/* Functions to which compilers may add calls of their own. */
 void *memcpy(void *restrict target, const void *restrict source, size_t count);
 void *memset(void *target, int value, size_t count);
 

@@ -297,7 +297,7 @@ TEST(test_project) {
         {{0, -0.6f, 0.8f}, {8192, 8192 - 2731}},
         {{2, -2, 0x1p-24f}, {16384, 0}}, /* clamped */
         {{-0.0f, 0x1p-149f, 1}, {8192, 8192}},
-        {{NAN, INFINITY, 1}, {0, 16384}}, /* no promise, but no harm */
+        {{NAN, INFINITY, 1}, {0, 16384}}, /* undefined, but within the plane */
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         int32_t q[2];
@@ -366,7 +366,6 @@ TEST(test_lookup_small) {
     assert_neighbours(look_up(table, 64, 16384, 8192), 1, 3072, 2, 1024, 1, 0);
 }
 
-/** At right angles to the edge after it, a corner answers for itself rather than for that edge. */
 /** Numbers of directions take 16 bits each, whichever record names them. */
 TEST(test_lookup_wide) {
     static const uint32_t indices[][3] = {
@@ -425,7 +424,7 @@ TEST(test_lookup_octagon) {
         }
         double radius = hypot(x - 8192.0, y - 8192.0), error = hypot(px - x, py - y);
         if (radius < 5500) {
-            assert_true(error < 8); /* inside, the weights give the point back, but for their step */
+            assert_true(error < 8); /* inside, the weights reproduce the point, up to their step */
         } else if (radius > 6100) {
             assert_true(error < radius - 5500 &&
                         hypot(px - 8192, py - 8192) < 6010); /* outside, one of the hull */

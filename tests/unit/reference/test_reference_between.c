@@ -94,7 +94,7 @@ TEST(test_sampled_views) {
     }
 }
 
-/** Views that relief leaves alone: with none of it left it changes nothing, whatever the heights. */
+/** Where relief acts on no view, it changes nothing, whatever the heights. */
 TEST(test_views_left_alone) {
     static made_all x;
     uint32_t random = 7;
@@ -224,8 +224,8 @@ static void gloss_lights(const btf_ref_material *m, const btf_ref_neighbours *vi
     }
 }
 
-/** Every entry point gives the same texel: relief starts at its centre; neighbours of lights from outside
- * know no gloss, unless each view has its own. */
+/** Every entry point gives the same texel: relief starts at its centre. Where a caller hands in neighbours of lights,
+ * gloss has no effect unless it hands in those of each view. */
 TEST(test_ways_agree) {
     static made_all x;
     uint32_t random = 13;
@@ -263,8 +263,8 @@ TEST(test_ways_agree) {
 
 /* --- no jumps --- */
 
-/** A smooth plane at one height above that of the data, darker from view to view, with lights that differ;
- * some views that relief leaves alone. */
+/** A plane without texture, at one height above that of the data. Views differ in brightness and lights differ; on some
+ * views relief does not act. */
 static void make_smooth(uint32_t seed, made_all *out) {
     make_material(1, 1, BTF_REF_SHADOW | BTF_REF_GAIN, 0, &out->storage, &out->m);
     make_relief(seed, 0, &out->relief, &out->m);
@@ -289,8 +289,8 @@ static void make_smooth(uint32_t seed, made_all *out) {
     }
 }
 
-/** Along lines across all cells, past views that relief acts on and others: a step of the view does not
- * make the result jump, for relief fades and gloss is a motion. */
+/** Moving the view along lines across all cells, past views on which relief acts and others, never makes the result
+ * jump: relief fades in, and gloss moves look-ups continuously. */
 TEST(test_no_jumps) {
     static made_all x;
     uint32_t random = 17;

@@ -62,7 +62,7 @@ TEST(test_lobes) {
     btf_ref_evaluate_texel(&f->m, &f->o, 0, 0, l, v, rgb);
     assert_rgb(rgb, 0.5f, 0.0f, 0x1p-25f);
 
-    /* negative lobes and weights may not make light */
+    /* negative lobes and weights must not give radiance */
     f->m.half_float = 0;
     f->m.sbrdf = f->s.sbrdf;
     hand_parameter(f, 0, 0, 0)[3] = -1000.0f;
@@ -137,7 +137,7 @@ TEST(test_shift_and_gain) {
         assert_bits(rgb[0], hand_albedo(1, 1) * (255 * 0x1p-7f));
     }
 
-    /* a file with shifts alone stores no gain code, whatever stands there */
+    /* a file with shifts alone has no gain code: the byte is ignored */
     hand_fixture *f = hand_material(0, BTF_REF_SHIFT);
     hand_set_lambertian(f);
     hand_set_view(f, 1, 1, 4, 0, 2, 1);

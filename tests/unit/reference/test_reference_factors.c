@@ -338,7 +338,7 @@ TEST(test_model_and_factors) {
     assert_bits(luma(&m, low), 0.25f);
 }
 
-/** Roots that are blended may be negative in a view, and include hidden views. */
+/** Where roots are blended, that of a single view may be negative, and hidden views take part. */
 TEST(test_blended_roots) {
     btf_ref_material m;
     make_uniform(4, 0xFFFFFFFFu, 0xFFFFFFFFu, 0x1p-6f, &m);
@@ -376,7 +376,7 @@ TEST(test_blended_roots) {
     assert_bits(rgb[0], 0.0f);
 }
 
-/** Fewer units are the material without the others. */
+/** Decoding the first units gives the same as a material that holds only those. */
 TEST(test_truncation) {
     btf_ref_material m, shorter;
     uint32_t random = 5, different = 0;

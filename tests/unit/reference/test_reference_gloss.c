@@ -80,14 +80,13 @@ TEST(test_against_double) {
     assert_true(clamped > 1000);
 }
 
-/** The light that makes with A the half vector of l and V is as far from l as A is from V, on the other
- * side; gloss goes to it by its share. Turning light and both views about the normal turns where lights are
- * looked up. */
+/** The light that has with the sampled view A the half vector of l and V lies as far from l as A from V, on the other
+ * side. Gloss moves the look-up by its share of the way there. Rotating light and both views about the normal rotates
+ * the look-up. */
 TEST(test_geometry) {
     uint32_t random = 5;
     for (int i = 0; i < 20000; ++i) {
-        /* in the plane of u and the normal: view at angle t, sampled one at t + e, light anywhere in the
-         * plane */
+        /* in the plane of u and the normal: the view at angle t, the sampled one at t + e, the light at any angle */
         double t = (double)random_float(&random, -0.7f, 1.4f),
                e = (double)random_float(&random, -0.3f, 0.6f),
                p = (double)random_float(&random, -0.7f, 1.4f);
@@ -120,8 +119,8 @@ TEST(test_geometry) {
     }
 }
 
-/** At the sampled view, and where a machine that flushes denormals would take it for that, it is the light
- * itself. */
+/** At the sampled view the look-up is at the light itself, and also at views that a machine which flushes denormals
+ * cannot distinguish from it. */
 TEST(test_at_the_sampled_view) {
     uint32_t random = 7;
     static const float nearly[][3] = {
@@ -144,8 +143,8 @@ TEST(test_at_the_sampled_view) {
     }
 }
 
-/** A light that sinks stays at the horizon; a half vector that vanishes shortens the reflection; all of it
- * goes there without a jump. */
+/** A look-up that would sink below the horizon stays on it, a vanishing half vector shortens the reflection, and the
+ * look-up approaches both without a jump. */
 TEST(test_limits) {
     const float low[3] = {0.99998f, 0, 0.0063f}, other[3] = {-0.99998f, 0, 0.0063f},
                 steep[3] = {-0.5f, 0, 0.8660254f};
@@ -155,7 +154,7 @@ TEST(test_limits) {
     btf_ref_gloss(&view.m, 0, low, other, q); /* from grazing, opposed to the light: h is nearly nothing */
     assert_in_range(q[0], 8193, 16384);
     assert_int_equal(q[1], 8192);
-    /* a view half way to the light mirrors one at the other side into the ground */
+    /* a view that coincides with the light mirrors a sampled view on the other side to below the horizon */
     const float l[3] = {0.9f, 0, 0.4358899f}, v[3] = {0.9f, 0, 0.4358899f}, a[3] = {-0.5f, 0, 0.8660254f};
     make_view(a, 2, &view);
     btf_ref_gloss(&view.m, 0, l, v, q);

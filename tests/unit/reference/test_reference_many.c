@@ -1,5 +1,5 @@
 /* The reference decoder, many evaluations: made-up materials against a model in double precision and against each
- * other, hostile ones for the promises that hold of every result.
+ * other; hostile ones for what FORMAT.md promises of every result.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -134,7 +134,7 @@ TEST(test_against_double) {
     print_message("against double: %.3g\n", worst);
 }
 
-/** Both layouts of the same material, and every way to ask, give the same bits. */
+/** Both layouts of the same material, and all entry points, give the same bits. */
 TEST(test_ways_agree) {
     static made_storage storage;
     btf_ref_material tight, paper;

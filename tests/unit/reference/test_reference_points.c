@@ -56,12 +56,12 @@ TEST(test_packed_points) {
     hand_parameter(f, 0, 1, 1)[3] = 1.0f;
     hand_evaluate(f, 1, 1, 0, 4, hand_pole, hand_pole, rgb);
     assert_bits(rgb[0], 1.0f);
-    f->m.gain_base = -1.0f; /* of either sign, clamped as ever */
+    f->m.gain_base = -1.0f; /* gains may be negative; the result is clamped as always */
     hand_evaluate(f, 1, 1, 0, 4, hand_pole, hand_pole, rgb);
     assert_rgb(rgb, 0, 0, 0);
 }
 
-/* A texel's list, and half a byte a view that names an entry: the low one of an even view. */
+/* A texel's list, and for each view half a byte that names an entry: the lower half for even views. */
 TEST(test_lists) {
     static uint8_t indices[MADE_VIEWS * MADE_TEXELS];
     float rgb[3];
@@ -85,7 +85,7 @@ TEST(test_lists) {
     assert_bits(rgb[0], hand_albedo(3, 1));
     hand_evaluate(f, 1, 1, 0, 5, hand_pole, hand_pole, rgb);
     assert_bits(rgb[0], hand_albedo(0, 1) * 0.25f);
-    indices[2 * MADE_TEXELS + texel + 1] = 0xFF; /* another texel's says nothing here */
+    indices[2 * MADE_TEXELS + texel + 1] = 0xFF; /* another texel's indices have no effect here */
     f->o.effects = BTF_REF_SHIFT;
     hand_evaluate(f, 1, 1, 0, 4, hand_pole, hand_pole, rgb);
     assert_bits(rgb[0], hand_albedo(3, 1));
@@ -119,7 +119,7 @@ TEST(test_hidden) {
             float y = hand_albedo(2, 4) * btf_ref_pow(0.5f, domain ? 0.5f : 1.0f);
             hand_evaluate(f, 2, 4, 3, 7, light, hand_pole, rgb);
             assert_bits(rgb[0], domain ? y * y : y);
-            f->o.effects = BTF_REF_SHIFT; /* the code is read even so: 120 is no shift */
+            f->o.effects = BTF_REF_SHIFT; /* the code still says hidden, so that 120 is no shift */
             hand_evaluate(f, 2, 4, 3, 7, light, hand_pole, rgb);
             assert_bits(rgb[0], domain ? y * y : y);
             f->o.effects = BTF_REF_HIDDEN;

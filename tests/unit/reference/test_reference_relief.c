@@ -156,7 +156,7 @@ TEST(test_steep) {
 
 /* --- the march --- */
 
-/** Rectangles of at least 6 texels, which a ray cannot pass between two steps but at a corner. */
+/** Adds rectangles of at least 6 texels, so large that a ray cannot step over one except at a corner. */
 static void add_boxes(uint32_t *random, field *f) {
     memset(f->heights, (int)random_below(random, 64), sizeof f->heights);
     for (int box = 0; box < 3; ++box) {
@@ -171,8 +171,8 @@ static void add_boxes(uint32_t *random, field *f) {
     }
 }
 
-/** A march never stops above the surface by a step, and where the surface holds for a step it stops within
- * one of where the ray meets it first; on the top of a box exactly there. */
+/** A march stops less than a step above the surface. Where the ray stays in the surface for a step, it stops within a
+ * step of the ray's first hit; on the top of a box exactly there. */
 TEST(test_march_against_rays) {
     static field f;
     uint32_t random = 11, rays = 0, held = 0, landed = 0;
@@ -252,8 +252,8 @@ static double apart(double a, double b, int size) {
     return d - length * floor(d / length + 0.5);
 }
 
-/** At a height h, the point seen at x from V has its foot at x + h V.xy / V.z, and a view A shows it at
- * that less h A.xy / A.z. */
+/** The point at height h that is seen at x from V lies above x + h V.xy / V.z, and a view A shows it at that place less
+ * h A.xy / A.z. */
 TEST(test_parallax) {
     static field f;
     uint32_t random = 17;
@@ -290,7 +290,7 @@ TEST(test_parallax) {
         }
     }
     print_message("positions off by %.3f of the bound\n", worst);
-    assert_true(worst > 0.3); /* of a bound that is worth something */
+    assert_true(worst > 0.3); /* of the bound: it is not too wide to test anything */
 }
 
 /** Weights from heights that rays meet in double. */
@@ -316,7 +316,7 @@ static void weights_in_double(const field *f, const btf_ref_neighbours *views, c
     }
 }
 
-/** Beside a wall, views from behind it weigh less, by how much it rises above the point: in double. */
+/** Beside a wall, views from behind it weigh less, according to its height above the point: compared in double. */
 TEST(test_walls_hide) {
     static field f;
     uint32_t random = 19, compared = 0, hidden = 0;
@@ -353,8 +353,8 @@ TEST(test_walls_hide) {
     assert_true(worst <= 9); /* 8 of 4096 of o_a for a unit of height, which levels round */
 }
 
-/** For any heights and neighbours: weights are in 0 .. 4096 and sum to 4096; none comes from nothing;
- * positions are in the level; without occlusion the weights stay. */
+/** For any heights and neighbours: weights are in 0 .. 4096 and sum to 4096; a weight of 0 stays 0; positions are in
+ * the level; without occlusion the weights stay. */
 TEST(test_weights_sum) {
     static made_storage storage;
     static made_relief relief;

@@ -1,7 +1,6 @@
-/* The self-test of the reference decoder must refuse a build that breaks FORMAT.md, section 8. To be
- * compiled, together with reference/btf_*.c, with flags that do, e.g. -O2 -ffast-math or -O2
- * -ffp-contract=fast -mfma. Exits 0 when the build is refused, 1 when it is taken for sound, 77 when this
- * machine cannot run it.
+/* The self-test of the reference decoder must refuse a build that breaks FORMAT.md, section 8. This file is compiled
+ * together with reference/btf_*.c, with flags that break it: -O2 -ffast-math, or -O2 -ffp-contract=fast -mfma. Exits 0
+ * when the self-test refuses the build, 1 when it does not, 77 when this machine cannot run it.
  *
  * SPDX-License-Identifier: MIT
  */

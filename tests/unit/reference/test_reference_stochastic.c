@@ -1,5 +1,5 @@
-/* The reference decoder's stochastic decode: the mean over all choices is the blend, which is put together
- * here from single neighbours. Compiled with the decoder's sources, whose names are hidden.
+/* The reference decoder's stochastic decode: the mean over all choices is the blend, which this file puts together from
+ * single neighbours. Compiled with the decoder's sources, whose names are hidden.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -43,7 +43,7 @@ static void assert_same(const float rgb[3], const float expected[3]) {
     assert_rgb(rgb, expected[0], expected[1], expected[2]);
 }
 
-/** A mean in double of exact shares, against one of floats. */
+/** Compares a mean in double, of exact shares, with a result in floats. */
 static void assert_mean(const double sum[3], double count, const float expected[3]) {
     for (int c = 0; c < 3; ++c) {
         const double mean = sum[c] / count;
@@ -59,7 +59,8 @@ static void add(double sum[3], const float rgb[3]) {
     }
 }
 
-/** One light of all the weight for every neighbouring view, if there is one near the rim. */
+/** Draws a point at which a single light has all the weight for every neighbouring view; false where it finds none near
+ * the rim. */
 static bool single_light(const made_all *x, const btf_ref_options *o, point *p, uint32_t *random) {
     for (int i = 0; i < 2000; ++i) {
         int32_t q[2];
@@ -94,8 +95,8 @@ TEST(test_random) {
 
 /* --- where nothing is to be chosen --- */
 
-/** Directions that are samples and one texel, and nearest mode: every choice is the decode of section 9,
- * bit for bit. */
+/** At sampled directions with one texel, and with nearest directions, every choice is the decode of section 9, bit for
+ * bit. */
 TEST(test_one_choice) {
     static made_all x;
     uint32_t random = 3;
@@ -137,8 +138,8 @@ TEST(test_horizon) {
 
 /* --- the blend, put together --- */
 
-/** Without relief and gloss, of one texel: radiance of single views and lights, decoded by another entry
- * point. */
+/** Without relief and gloss and with one texel, the blend is that of the radiance of single views and lights, which
+ * another entry point decodes. */
 TEST_OF_NUMBERS(test_blend_of_neighbours) {
     static made_all x;
     uint32_t random = 7;
@@ -188,8 +189,8 @@ TEST_OF_NUMBERS(test_blend_of_neighbours) {
     }
 }
 
-/** Where views are blended as radiance, and views alone are picked, the blend is the decode of section 9,
- * with all effects and filters: in another order at most. */
+/** Where views are blended as radiance and only views are picked, the blend is the decode of section 9, with all
+ * effects and filters, up to the order of additions. */
 TEST_OF_NUMBERS(test_blend_of_radiance) {
     static made_all x;
     uint32_t random = 29;
@@ -238,7 +239,7 @@ TEST_OF_NUMBERS(test_mean_over_views) {
     }
 }
 
-/** All that pick a light, seen from a sample. */
+/** All numbers that pick a light, at a sampled view. */
 TEST_OF_NUMBERS(test_mean_over_lights) {
     static made_all x;
     uint32_t random = 13;
@@ -261,8 +262,7 @@ TEST_OF_NUMBERS(test_mean_over_lights) {
     }
 }
 
-/** All that pick a texel, under one light and seen from a sample; then all that pick a level, of one texel.
- */
+/** All numbers that pick a texel, under one light and at a sampled view; then all that pick a level, with one texel. */
 TEST_OF_NUMBERS(test_mean_over_texels_and_levels) {
     static made_all x[2];
     uint32_t random = 17;
@@ -307,7 +307,7 @@ TEST_OF_NUMBERS(test_mean_over_texels_and_levels) {
     assert_true(seen >= 6);
 }
 
-/** Everything at once, of random numbers of the hash: within 4 standard errors. */
+/** Everything picked at once, with random numbers of the hash: the mean is within 4 standard errors. */
 TEST_OF_NUMBERS(test_mean_of_samples) {
     enum { SAMPLES = 20000 };
     static made_all x;
@@ -344,7 +344,7 @@ TEST_OF_NUMBERS(test_mean_of_samples) {
 
 /* --- levels --- */
 
-/** Levels that are none, or whole, or beyond the last. */
+/** Levels that are NaN or negative, whole, or beyond the last. */
 TEST(test_levels) {
     static made_all x[3];
     static const struct {

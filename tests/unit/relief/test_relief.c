@@ -1,4 +1,4 @@
-/* Relief and gloss found from images alone: planted surfaces, and materials without any.
+/* Relief and gloss that the encoder finds in images alone: planted surfaces, and materials without any.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,8 +20,8 @@ static float random_of(uint32_t *state) {
     return (float)(*state >> 8) * 0x1p-24f;
 }
 
-/* A material of three grey lights whose texels, albedos at random, stand as high as `height` says (texels),
- * seen through the decoder's march; noise: of values, uniform. */
+/* A material under three lights whose texels have random grey albedos and the heights (in texels) that `height` gives,
+ * rendered by the decoder's march, plus uniform noise. */
 static enc_data *planted(const char *views, double (*height)(int column, int row), float noise) {
     enc_direction *view, *light;
     enc_data *data = NULL;
@@ -110,13 +110,13 @@ TEST(test_a_step_is_found) {
     printf("mean error %.3f texels, %d of %d off by more than half a texel\n", error / (SIDE * SIDE), off,
            SIDE * SIDE);
     assert_true(error / (SIDE * SIDE) < 0.35);
-    assert_true(off < SIDE * SIDE / 6); /* a step's foot, which few views show */
+    assert_true(off < SIDE * SIDE / 6); /* the foot of the step is wrong, as few views show it */
     enc_relief_clear(&store);
     enc_data_destroy(&data);
 }
 
-/* One candidate more has the best map's extremes drawn in, and is taken where it gains more than that: the march has
- * as many steps, over less. */
+/* The last candidate is the best map with its extreme heights drawn in, so that the march's steps cover a smaller
+ * range. It is chosen where it gains more than the best map. */
 TEST_OF_NUMBERS(test_extremes_are_drawn_in) {
     for (int tall = 0; tall < 2; tall++) {
         enc_data *data = planted(more, tall ? towers : step, 0);
@@ -132,7 +132,7 @@ TEST_OF_NUMBERS(test_extremes_are_drawn_in) {
                choice.candidate[best].gain, drawn->gain, choice.least, choice.most, store.steps);
         assert_true(best > 0 && drawn->judged && drawn->drawn_in && drawn->scale == choice.candidate[best].scale);
         assert_int_equal(choice.chosen, drawn->gain > choice.candidate[best].gain ? ENC_RELIEF_CANDIDATES - 1 : best);
-        /* noise around the step's two heights goes, the few towers stay */
+        /* the extremes are noise around the step's two heights, which may go, or the few towers, which stay */
         assert_int_equal(choice.chosen == ENC_RELIEF_CANDIDATES - 1, !tall);
         assert_true(tall ? choice.most > 2.5 : choice.least > -2.5 && choice.most < 0.5);
         enc_relief_clear(&store);
@@ -201,7 +201,8 @@ TEST(test_what_is_not_asked_for_is_not_there) {
     enc_data_destroy(&data);
 }
 
-/* A lobe about the mirrored light moves with the half vector alone; a Lambertian plane with nothing. */
+/* The lobe about the mirrored light moves with the half vector, so gloss is found; a Lambertian plane has no lobe, and
+ * no gloss. */
 TEST_OF_NUMBERS(test_gloss_is_found_where_there_is_a_lobe) {
     for (int shiny = 0; shiny < 2; shiny++) {
         enc_direction *at;
@@ -227,8 +228,8 @@ TEST_OF_NUMBERS(test_gloss_is_found_where_there_is_a_lobe) {
     }
 }
 
-/* The baked values of a view are those of the spline through views that show the same point: of a surface
- * whose views all show it as it is, moved by whole texels, every node has its own samples. */
+/* The values at a node come from the spline through the views that show the same point. Where all views show a surface
+ * alike, moved by whole texels, every node keeps its own samples. */
 TEST(test_nodes_follow_the_surface) {
     enc_data *data = planted("0:1,45:4", raised, 0), *fitted = NULL, *plain = NULL;
     const int n = data->n_views, lights = data->n_lights;
@@ -288,8 +289,8 @@ TEST(test_levels_filter_heights) {
     free(level);
 }
 
-/* Levels are judged one by one until one does not gain, by the same bits whatever the threads; not at all
- * where the file has one. */
+/* The encoder judges whether relief pays at each level until one does not gain, with the same result for any number of
+ * threads. With a single level it judges none. */
 TEST_OF_NUMBERS(test_where_relief_ends) {
     enc_data *data = planted(more, step, 0);
     enc_relief_choice a, b;
@@ -303,7 +304,7 @@ TEST_OF_NUMBERS(test_where_relief_ends) {
         printf("level %d: gain %.2f dB, linear %.5f -> %.5f, sRGB %.5f -> %.5f\n", k + 1, l->gain,
                l->plain.linear, l->moved.linear, l->plain.srgb, l->moved.srgb);
     }
-    assert_int_equal(a.end.judged, 1); /* its texels are as wide as the step is deep: half of one in use */
+    assert_int_equal(a.end.judged, 1); /* level 1 does not gain: the step is only a texel deep there */
     assert_false(a.end.level[0].on);
     assert_int_equal(a.end.end, 1);
     assert_int_equal(first.end, 1);
@@ -314,8 +315,8 @@ TEST_OF_NUMBERS(test_where_relief_ends) {
     enc_data_destroy(&data);
 }
 
-/* Judged by itself: a surface that is true lasts while it is deep, one that is not ends at once, and views
- * that it does not act on do not count. */
+/* The judge alone: a true surface keeps relief as long as it is deep in texels, a wrong one loses it at once, and views
+ * on which relief does not act do not count. */
 TEST(test_levels_are_judged) {
     enc_data *data = planted(rings, high, 0);
     uint8_t on[64], off[64] = {0};

@@ -1,5 +1,5 @@
-/* Environment maps from files (decoder/tools/render/environment.h): which of an OpenEXR file's pictures is
- * read, and what is told or refused.
+/* Environment maps from files (decoder/tools/render/environment.h): which of an OpenEXR file's pictures is read, and
+ * what is warned of or refused.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -18,7 +18,7 @@ static float value_of(int c, int x, int y) {
     return (float)(1 << c);
 }
 
-/* Reads a map of a part with these channels; the lights' sum in *out_sum. */
+/* Reads a map from a file of this one part, and sums up the colours of its lights in *out_sum. */
 static btf_result read_map(const bytes_part *part, const char *layer, double out_sum[3]) {
     light_list list = {0};
     size_t size;
@@ -76,7 +76,7 @@ TEST(test_layers) {
     assert_non_null(strstr(all_messages, "sky.B, sky.G, sky.R, sun.Y"));
 }
 
-/* Chroma never reaches the library's unpacking, here either. */
+/* Subsampled chroma is read without OpenEXRCore's unpacking, here too. */
 TEST(test_chroma) {
     double sum[3];
     bytes_part p = map_of("A", "BY", "RY", "Y");
@@ -115,7 +115,7 @@ static float broken_value(int c, int x, int y) {
     return 1.0f;
 }
 
-/* Samples that cannot be light are counted, and a shape that is not a sphere's is told. */
+/* Samples that cannot be radiance are counted in a warning, and so is a shape that is not 2:1. */
 TEST(test_contents) {
     double sum[3];
     bytes_part p = map_of("B", "G", "R", NULL);

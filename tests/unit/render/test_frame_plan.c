@@ -1,4 +1,4 @@
-/* Pictures as scenes, and frames that share a plan.
+/* The scene for which a picture is planned, and frames that share a plan.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -87,7 +87,7 @@ TEST(ranges_are_widened) {
     const btf_range cap = plan_range_widen(&pole, 10);
     assert_true(cap.theta[0] == 0 && cap.theta[1] == 10 && cap.phi[0] == cap.phi[1]);
     assert_true(plan_range_covers(&cap, &pole, 9));
-    assert_true(plan_range_covers(&pole, &pole, 5)); /* the very direction */
+    assert_true(plan_range_covers(&pole, &pole, 5)); /* the same single direction */
     assert_false(plan_range_covers(&pole, &cap, 0));
     const btf_range all = {0};
     assert_true(plan_range_covers(&all, &low, 30));
@@ -125,7 +125,7 @@ TEST(frames_share_plans) {
     assert_int_equal(frame_plan(material, seen, 5, 6, &wishes, &end, &plan), BTF_OK);
     assert_int_equal(end, 6);
     assert_true(plan.shader.fixed == BTF_FIXED_VIEW);
-    /* Folds of what stands still: as the wishes say, and for as many samples as all frames of the plan show. */
+    /* Where light or view stand still, folds follow --fold, and their cost is spread over the samples of all frames. */
     plan_range still[3];
     for (int i = 0; i < 3; i++) {
         still[i] = see(0, 30, 40, lights, 1, "plane");

@@ -25,7 +25,8 @@ static mesh *make(const char *name) {
     return m;
 }
 
-/* Frames are orthonormal, faces agree with normals, tangents with growing u; all within [-1, 1]. */
+/* Built-in meshes: frames are orthonormal, faces agree with normals, tangents point to growing u, positions are within
+ * [-1, 1]. */
 TEST(test_built_in) {
     for (size_t k = 0; k < 4; k++) {
         mesh *m = make(names[k]);
@@ -63,7 +64,7 @@ TEST(test_built_in) {
     assert_null(m);
 }
 
-/* The frames that the formulas give are found again from positions and uv alone. */
+/* Frames computed from positions and uv alone agree with those of the formulas. */
 TEST(test_computed_frames) {
     for (size_t k = 0; k < 4; k++) {
         mesh *truth = make(names[k]), *m = make(names[k]);
@@ -100,7 +101,7 @@ TEST(test_handedness) {
     mesh_destroy(&m);
 }
 
-/* The hierarchy finds what trying every triangle finds. */
+/* The bounding-volume hierarchy finds the same hits as a test of every triangle. */
 TEST(test_rays) {
     mesh *m = make("torus");
     bvh *b = bvh_create(m);
@@ -138,7 +139,7 @@ TEST(test_rays) {
     mesh_destroy(&m);
 }
 
-/* Seen from above in size x size samples, a material repeated so often. */
+/* A scene seen from above in size x size samples, with the material repeated columns x rows times. */
 static table_scene scene_of(mesh *m, bvh *b, int size, double columns, double rows) {
     return (table_scene){.mesh = m,
                          .bvh = b,
@@ -149,7 +150,7 @@ static table_scene scene_of(mesh *m, bvh *b, int size, double columns, double ro
                          .threads = 2};
 }
 
-/* A plane seen straight on: every sample sits at its texel, lit as angles say. */
+/* A plane seen along its normal: every sample shows its own texel, with the light at its angles. */
 TEST(test_plane_table) {
     enum { SIZE = 8 };
     mesh *m = make("plane");
@@ -186,8 +187,8 @@ TEST(test_plane_table) {
     mesh_destroy(&m);
 }
 
-/* Levels of detail by footprint: 2 repeats of 64 columns over 8 samples are 16 texels a sample, level 4,
- * however the picture is turned; rows are shorter. From the side, the far rows take coarser levels. */
+/* Levels of detail follow the footprint: 2 repeats of 64 columns over 8 samples are 16 texels a sample and so level 4,
+ * however the picture is rotated; along rows the footprint is shorter. Seen obliquely, far rows take coarser levels. */
 TEST(test_levels) {
     enum { SIZE = 8 };
     mesh *m = make("plane");
@@ -234,7 +235,7 @@ TEST(test_levels) {
     mesh_destroy(&m);
 }
 
-/* The torus shades its own inside; a sphere nothing that faces the light. */
+/* The torus casts shadows on its own inside; a sphere casts none on points that face the light. */
 TEST(test_cast_shadows) {
     enum { SIZE = 64 };
     static table_sample samples[SIZE * SIZE];
@@ -283,7 +284,7 @@ TEST(test_environment) {
         close_to(vec_length(list.lights[i].at), 1, 1e-9);
     }
     close_to(sum, 4, 1e-6);     /* 4 pi / pi */
-    close_to(lambert, 1, 0.03); /* a white Lambertian under a white sky is white, but for the cut */
+    close_to(lambert, 1, 0.03); /* white Lambertian, white sky: 1, up to the median cut's error */
     light_list_clear(&list);
     memset(map, 0, sizeof map);
     map[3 * (16 * W + 48)] = 100; /* red, to the right: +x */

@@ -1,4 +1,4 @@
-/* The OBJ reader: what it understands, and what it says of broken files.
+/* The OBJ reader: the statements that it reads, and its messages about broken files.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -40,7 +40,8 @@ TEST(test_quad) {
     mesh_destroy(&m);
 }
 
-/* Lines that end in CR alone, a line that goes on right behind a word, and surfaces, which are told once. */
+/* Lines that end in CR alone, a line continued right after a word, and free-form surfaces, of which one warning
+ * tells. */
 TEST(test_lines) {
     static const char mac[] = "v 0 0 0\rv 1 0 0\rv 0 1 0\r# x\rvt 0 0\rf 1/1\\\r2/1 \\\r 3/1\r";
     static const char joined[] = "v 0 0\\\n0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1\\\r\n2/1 3/1\\\n\n";
@@ -140,7 +141,7 @@ TEST(test_marks) {
     assert_null(m);
 }
 
-/* Twice the area of what the triangles cover, each counted whichever way it turns. */
+/* Twice the sum of the triangles' areas, all taken as positive. */
 static double covered(const vec3 *corners, const uint32_t *triangles, uint32_t count) {
     double sum = 0;
     for (uint32_t i = 0; i + 2 < count; i++) {
@@ -160,8 +161,8 @@ static double area_of(const vec3 *corners, uint32_t count) {
     return vec_length(sum);
 }
 
-/* Triangles cover a polygon that does not cross itself once: then their areas, all taken as positive, sum
- * up to its own. The polygon comes in the plane z = 0 and is turned. */
+/* Checks that the triangles of a polygon that does not cross itself cover it once: then the sum of their areas, all
+ * taken as positive, is its own. The polygon is given in the plane z = 0 and rotated here. */
 static void expect_cover(const char *name, const double *xy, uint32_t count) {
     vec3 *corners = malloc(count * sizeof *corners);
     uint32_t *triangles = malloc(3 * (size_t)(count - 2) * sizeof *triangles);
@@ -229,7 +230,7 @@ TEST(test_concave) {
     expect_cover("comb", &xy[0][0], MOST);
 }
 
-/* Convex polygons are fans as ever, those without area or with crossings come to an end. */
+/* Convex polygons become fans. For polygons without area or with crossings the triangulation ends, too. */
 TEST(test_other_polygons) {
     uint32_t triangles[3 * 62];
     vec3 corners[64];

@@ -1,4 +1,5 @@
-/* The plan that a viewer draws by: kept within its range, another beyond it, no flipping, folded at rest.
+/* The plan by which the viewer draws: it is kept within its range and replaced beyond it, without flipping to and fro,
+ * and folded while the picture is at rest.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -27,7 +28,7 @@ static btf_scene flat(float low, float high, float light_theta) {
                        .pixels = 1};
 }
 
-/* Decides, and makes what is to be made. */
+/* Asks the planner for its decision, and makes the plan if one is to be made. */
 static planner_action go(planner *p, const btf_material *whole, btf_scene needed, bool at_rest) {
     const planner_action action = planner_decide(p, &needed, at_rest, at_rest);
     if (action == PLANNER_MAKE) {
@@ -62,7 +63,7 @@ TEST(plans_follow_the_camera) {
     assert_int_equal(go(&p, whole, flat(14, 24, 30), false), PLANNER_SWITCH); /* back: it is still there */
     assert_int_equal(p.slot[p.current].number, first);
     btf_scene near = flat(20, 30, 30);
-    near.pixels = 0.25f; /* far away: coarser would do, at rest */
+    near.pixels = 0.25f; /* far away: a coarser level is enough, but only at rest */
     assert_int_equal(go(&p, whole, near, false), PLANNER_KEEP);
     assert_int_equal(go(&p, whole, near, true), PLANNER_MAKE);
     assert_int_equal(p.slot[p.current].plan.level, 2);
@@ -90,7 +91,7 @@ TEST(light_at_rest_is_folded) {
     assert_int_equal(go(&p, whole, flat(22, 32, 30), true),
                      PLANNER_SWITCH); /* the first fold is still there */
     assert_true(scene_of(&p)->light.fixed);
-    /* A fold that is given up while it is made leaves nothing half made. */
+    /* A fold that is abandoned while it is made leaves nothing behind. */
     btf_scene needed = flat(22, 32, 50), moved = flat(22, 32, 60);
     assert_int_equal(go(&p, whole, needed, false), PLANNER_MAKE); /* rings around 50 */
     assert_int_equal(planner_decide(&p, &needed, true, true), PLANNER_MAKE);

@@ -140,7 +140,7 @@ static picture render(render_scene *scene, const light_list *lights,
     return out;
 }
 
-/* Pixels have their own random numbers: their differences, truth being right, are independent and of mean 0. */
+/* Each pixel has its own random numbers, so that the differences to the truth are independent and have a mean of 0. */
 static void compare(const picture *estimate, const picture *truth, const char *name, int directions) {
     for (int c = 0; c < 3; c++) {
         double sum = 0, squares = 0, all = 0;
@@ -222,7 +222,7 @@ TEST(test_coarse) {
     check(&coarse, "plane", false, 135, 1, 0);
 }
 
-/* A direction depends on where the sample stands in the picture, not on which rows are made at a time. */
+/* A direction depends on the sample's place in the picture, not on how many rows are rendered at a time. */
 TEST(test_rows) {
     enum { ROWS = 4, ALL = ROWS * SIZE };
     table_sample samples[ALL];
@@ -251,7 +251,7 @@ TEST(test_rows) {
     sampled_environment_destroy(&e);
 }
 
-/* A black map gives a black picture; a map that is not a number in part is as good as black there. */
+/* A black map gives a black picture; pixels of a map that are NaN count as black. */
 TEST(test_black) {
     static float black[2][4][3];
     black[1][1][0] = NAN;

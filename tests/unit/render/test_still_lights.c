@@ -1,5 +1,6 @@
-/* Several lights that are the same in every sample (decoder/tools/render/still_lights.h), and the fold of their sum: to the
- * bit what the lights one by one add up to in single precision. Folds that --fold always cannot make say why.
+/* Several lights that are the same in every sample (decoder/tools/render/still_lights.h), and the fold of their sum,
+ * which has the bits of the sum of single lights in single precision. Where --fold always cannot fold, a message says
+ * why.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -79,7 +80,7 @@ TEST(lights_on_a_plane_are_found) {
                 found.weights[8] == (float)p.lights[3].colour[2]);
     assert_true(found.together.at.z == p.lights[0].at.z && found.together.colour[1] == 1);
     still_lights_clear(&found);
-    p.list.count = 2; /* one above the horizon is no sum */
+    p.list.count = 2; /* only one of the two is above the horizon: no sum */
     assert_int_equal(still_lights_find(&p.scene, &found), BTF_OK);
     assert_true(found.count == 0 && !found.directions);
     p.list.count = LIGHTS;

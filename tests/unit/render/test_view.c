@@ -16,7 +16,7 @@ static view_state fresh(void) {
     return s;
 }
 
-/* Twice the same switch is where it was; every key of the help does something. */
+/* Pressing a switch twice restores the state; every key of the help changes something. */
 TEST(test_switches) {
     for (const char *key = "1234567NXLTAIH"; *key; key++) {
         view_state s = fresh(), before = s;
@@ -44,7 +44,7 @@ TEST(test_switches) {
     assert_int_equal(s.effects, BTF_EFFECT_ALL);
 }
 
-/* Only what is there can be chosen. */
+/* Only meshes, effects and levels that exist can be chosen. */
 TEST(test_choices) {
     view_state s = fresh();
     for (int i = 0; i < 4; i++) {
@@ -138,7 +138,7 @@ TEST(test_costs) {
     assert_non_null(strstr(panel, "1 shadow   off   +2.5 ms  +10.0/+9.0 dB"));
     assert_true(costs_error(material, BTF_EFFECT_ALL)->psnr_linear == 30);
     assert_true(costs_error(material, BTF_EFFECT_ALL & ~1u)->psnr_linear == 20);
-    for (size_t size = 1; size < 200; size += 7) { /* cut, never past the end */
+    for (size_t size = 1; size < 200; size += 7) { /* text is cut at the buffer's end */
         costs_text(&c, material, 0, panel, size);
     }
     btf_material_close(&material);

@@ -1,5 +1,5 @@
-/* The estimate between the samples: against the same predictions made the long way, and against what must
- * hold.
+/* The estimate of errors between the samples: against the same predictions made one by one, and against properties that
+ * it must have.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -113,7 +113,7 @@ static double error_without(const enc_data *data, int view, int light, int left)
     return sum / (3 * (double)texels);
 }
 
-/* All predictions, one data set for each: the estimate draws 65,536 of their texels and pairs. */
+/* Makes all predictions, each from a data set of its own. The estimate draws 65,536 of their texels and pairs. */
 TEST(test_against_the_long_way) {
     enc_data *data = render(RELIEF_BUMPS, "0:1,50:8", "0:1,55:7", 16);
     enc_leave_one_out measured;
@@ -193,7 +193,7 @@ TEST(test_an_exact_material) {
     random_material_free(&desc);
 }
 
-/* Views and lights of a material as data of no meaning. */
+/* Data with the views and lights of a material, and arbitrary samples. */
 static enc_data *data_of(const btf_material_desc *desc) {
     const int n_views = (int)desc->info.n_views, n_lights = (int)desc->info.n_lights;
     enc_direction views[256], lights[256];
@@ -215,7 +215,7 @@ static enc_data *data_of(const btf_material_desc *desc) {
     return data;
 }
 
-/* Of a material with gloss the row without it is that of the same material that holds none. */
+/* For a material with gloss, the row without gloss is the one of the same material made without gloss. */
 TEST(test_without_gloss) {
     random_state r = {6};
     btf_material_desc desc =
@@ -258,8 +258,8 @@ TEST(test_without_gloss) {
     random_material_free(&desc);
 }
 
-/* A coarser level is measured as level 0 of a material that begins there is, beside filtered data, and level 0 as if there
- * were no other. */
+/* A coarser level gets the errors of level 0 of a material that begins at that level, against filtered data; level 0
+ * gets those that it would have alone. */
 TEST(test_levels) {
     random_state r = {8};
     btf_material_desc desc =
@@ -302,7 +302,8 @@ TEST(test_levels) {
     random_material_free(&desc);
 }
 
-/* A light that is left out is found by the others, and what stands around it where the half vector does not move. */
+/* With gloss, the light that is left out is predicted from the others, and from those around it where the half vector
+ * does not move. */
 TEST(test_lights_of_gloss) {
     enc_data *data = render(RELIEF_FLAT, "small", "small", 8);
     const enc_left_out left = left_out("small");
@@ -379,7 +380,7 @@ TEST(test_bands) {
     enc_data_destroy(&data);
 }
 
-/* One light cannot be left out: the views are, alone. */
+/* With a single light only views are left out. */
 TEST(test_one_light) {
     enc_data *data = render(RELIEF_FLAT, "small", "0:1", 8);
     enc_leave_one_out measured;

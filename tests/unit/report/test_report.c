@@ -1,5 +1,4 @@
-/* The report and the pictures: bytes by effects, error rows, the JSON file, and sources or folders that
- * fail.
+/* The report and the pictures: bytes by effects, rows of errors, the JSON file, and sources or folders that fail.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -45,7 +44,7 @@ TEST(test_bytes) {
     assert_int_equal(enc_report_gpu_bytes(&info, 0), sbrdf);
     assert_int_equal(enc_report_gpu_bytes(&info, BTF_EFFECT_SHADOW), sbrdf + maps);
     assert_int_equal(enc_report_gpu_bytes(&info, BTF_EFFECT_SHADOW | BTF_EFFECT_SHIFT), sbrdf + 3 * maps);
-    assert_int_equal(enc_report_gpu_bytes(&info, info.effects), 2359296); /* the 2.37 MB at most */
+    assert_int_equal(enc_report_gpu_bytes(&info, info.effects), 2359296); /* 64 W H + 4 AW AH */
     assert_int_equal(enc_report_gpu_bytes(&info, BTF_EFFECT_ALL), 2359296);
 }
 
@@ -55,7 +54,7 @@ static enc_report_step step_of(const char *name, uint32_t effects, double error)
     return step;
 }
 
-/* With shadow alone, "without shadow" is the ladder's SBRDF step: one row, not two. */
+/* With shadow as the only effect, "without shadow" is the same as the step SBRDF: one row, not two. */
 TEST(test_rows) {
     enc_report *report = calloc(1, sizeof *report);
     assert_non_null(report);

@@ -1,5 +1,5 @@
-/* Times read back from a report (encoder/report/stage_times.h): how a file may be written, and what is said
- * of one that is not a report.
+/* Times read back from a report (encoder/report/stage_times.h): the ways in which a file may be written, and the
+ * messages about one that is not a report.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -25,7 +25,7 @@ static double number(int *state) {
     return noise_hash(4711, (*state)++, 0, 0);
 }
 
-/* The height of the bilinear surface, written apart from the ray caster. */
+/* The height of the bilinear surface, computed independently of the ray caster. */
 static double surface_height(const relief *r, double x, double y) {
     int n = r->grid;
     double gx = (x - floor(x)) * n, gy = (y - floor(y)) * n;
@@ -184,7 +184,7 @@ TEST(test_visibility_against_marching) {
             double length = hit.normal[0] * hit.normal[0] + hit.normal[1] * hit.normal[1] +
                             hit.normal[2] * hit.normal[2];
             assert_true(fabs(length - 1) < 1e-12 && hit.normal[2] > 0);
-            /* Nothing in front of it. */
+            /* nothing lies in front of the point */
             const int steps = 1500;
             for (int s = 0; s < steps; ++s) {
                 double z = p[2] * s / steps;
@@ -298,8 +298,8 @@ TEST(test_periodic) {
     }
 }
 
-/* An image holds the shading of the true position, and that position shows in the view from the
- * pole at texel + shift. */
+/* A texel of an image has the shading of its true position, and the view from the pole shows that position at texel +
+ * shift. */
 TEST(test_truth_agrees_with_the_images) {
     sample_scene *scene = make_scene(RELIEF_BRICKS, "0:1,40:5:20,70:7", "0:1,50:6:11");
     const sample_options *o = sample_scene_options(scene);
@@ -541,7 +541,7 @@ TEST(test_truth_files) {
     sample_scene_destroy(&scene);
 }
 
-/* A single image has the bits of the same image among those of a view. */
+/* An image rendered for a single pair has the bits of the same image of a whole grid. */
 TEST(test_a_pair_is_as_in_the_grid) {
     enum { FLOATS = 3 * 64 * 64 };
     static float images[5][FLOATS], image[FLOATS];

@@ -14,7 +14,8 @@ TEST(last) {
     last_runs++;
 }
 
-/* Whether a run under the filter (NULL: none) ends as it must, with so many runs of each test so far. */
+/* Whether a run under the filter (NULL: none) ends with `failed`, and the tests have run `first` and `last` times so
+ * far. */
 static bool ends(const char *filter, int failed, int first, int last) {
     cmocka_set_test_filter(filter);
     const int seen = run_listed("tests", NULL, NULL);

@@ -1,5 +1,4 @@
-/* Time left and percent of a whole encode, against recorded core times of its stages and a clock of the
- * test's.
+/* Time left and percent of a whole encode, against recorded core times of its stages and a simulated clock.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,7 +8,7 @@
 
 typedef struct recorded {
     const char *stage;
-    double seconds, part; /* core seconds; what of the stage was run, where it ended early */
+    double seconds, part; /* core seconds; the fraction of the stage that was run, where it ended early */
 } recorded;
 
 typedef struct recording {
@@ -53,8 +52,8 @@ static double length_of(const recording *r) {
     return sum;
 }
 
-/* Plays a recording in steps of a thousandth of each stage. Hands out the time left when 25, 50 and 75 % of
- * the time are over, and checks that the fraction only grows and ends at 1. */
+/* Plays a recording in steps of a thousandth of each stage. Writes the time left that is shown after 25, 50 and 75 % of
+ * the time, and checks that the fraction never falls and ends at 1. */
 static void play(const recording *r, const estimate_part *parts, size_t count, double speed,
                  double left[3]) {
     const double length = length_of(r) * speed;
@@ -104,7 +103,7 @@ TEST(test_recordings) {
     }
 }
 
-/* Without weights the same recordings are far off: the bound above says something. */
+/* With equal weights the same recordings give estimates that are far off, so the bound above is not trivial. */
 TEST(test_equal_weights) {
     double worst = 0;
     for (size_t i = 0; i < sizeof recordings / sizeof *recordings; i++) {
@@ -124,7 +123,7 @@ TEST(test_equal_weights) {
     assert_true(worst > 0.35);
 }
 
-/* A stage that ends early, or is not run at all, moves the fraction forwards and does not spoil the rate. */
+/* A stage that ends early, or is not run at all, moves the fraction forwards and does not change the estimated rate. */
 TEST(test_early) {
     const estimate_part parts[] = {{"a", 10}, {"b", 60}, {"c", 20}, {"d", 10}};
     estimate e;
@@ -153,7 +152,7 @@ TEST(test_early) {
     assert_true(estimate_fraction(&e) == 1 && estimate_left(&e, 90) == 0);
 }
 
-/* Costs grow with what they count: with a finite and positive prediction for every size. */
+/* Predicted costs grow with the sizes that they depend on, and are finite and positive for every size. */
 TEST(test_sizes) {
     static const int sides[] = {1, 16, 64, 256, 400, 4096, 16384};
     for (int method = 0; method < 2; method++) {

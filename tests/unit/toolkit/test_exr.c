@@ -1,6 +1,5 @@
-/* OpenEXR files of other programs (decoder/toolkit/exr_image.h): sampling of any kind, within the
- * format and beyond it; layers, parts, compressions, colours, spectra. Valgrind runs this program too:
- * tests/valgrind.sh.
+/* OpenEXR files of other programs (decoder/toolkit/exr_image.h): subsampled channels, within the format's rules and
+ * beyond them; layers, parts, compressions, colours, spectra. tests/valgrind.sh runs this program too.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -14,7 +13,7 @@
 static char message[700];
 static image_info info;
 
-static const char *layer; /* to read */
+static const char *layer; /* the layer to read */
 
 /* Reads parts as a file in a buffer of just its size. */
 static btf_result read_parts(const bytes_part *parts, int count, exr_image *out_image) {
@@ -166,8 +165,8 @@ TEST(test_chroma_compressed) {
     unlink(path);
 }
 
-/* One to five channels of halves, each sampled 1 x 1, 2 x 1, 1 x 2 or 2 x 2, of widths from 1 to 200,000:
- * what the picture needs has its own values, whatever stands beside it; subsampled colour is refused. */
+/* One to five channels of halves, each sampled 1 x 1, 2 x 1, 1 x 2 or 2 x 2, of widths from 1 to 200,000. The picture
+ * has the values of its own channels, whatever channels stand beside them; subsampled colour is refused. */
 TEST(test_sampling) {
     static const char *const sets[] = {"Y", "AY", "BGR", "ABGR", "ABGRZ", "BGY", "ABYZ", "ABUYZ", "XYZ"};
     static const int widths[] = {1, 2, 3, 4, 6, 14, 33, 34, 100, 4094, 199999, 200000};
@@ -221,7 +220,7 @@ TEST(test_chroma_sizes) {
     }
 }
 
-/* Sampling that is not of the format, or that chroma is not read with: refused, whichever channel has it. */
+/* Sampling that the format forbids, or with which chroma cannot be read, is refused, whichever channel has it. */
 TEST(test_sampling_out_of_spec) {
     static const int32_t bad[][2] = {{0, 1},         {1, 0},         {-1, 1},
                                      {2, -2},        {3, 1},         {1, 5},
@@ -242,7 +241,7 @@ TEST(test_sampling_out_of_spec) {
     p = chroma_part(false, BYTES_HALF, 2, 2, 8, 4);
     p.x = 1;
     expect_refused(&p, 1, "EXR");
-    p = chroma_part(false, BYTES_HALF, 2, 2, 8, 4); /* the two of another sampling */
+    p = chroma_part(false, BYTES_HALF, 2, 2, 8, 4); /* RY and BY sampled differently */
     p.channels[0].xs = 1;
     expect_refused(&p, 1, "is subsampled");
 }
@@ -267,7 +266,7 @@ static bytes_part part_of(const char *name, const char *channels) {
     return p;
 }
 
-/* The picture has to be made of these channels of its part, by number. */
+/* Checks that the picture is made of these channels of its part, by number. */
 static void expect_channels(const bytes_part *parts, int count, const char *name, int n,
                             const int *channels, const char *note) {
     layer = name;
@@ -286,7 +285,7 @@ static void expect_channels(const bytes_part *parts, int count, const char *name
 
 static const int bgr[3] = {2, 1, 0};
 
-/* One choice is plain: a layer, names in lower case or in full, another part. */
+/* Files with one obvious choice of picture: a layer, names in lower case or in full, another part. */
 TEST(test_plain_choice) {
     bytes_part parts[3] = {part_of(NULL, "diffuse.B/diffuse.G/diffuse.R")};
     expect_channels(parts, 1, NULL, 3, bgr, "layer diffuse");
@@ -303,13 +302,13 @@ TEST(test_plain_choice) {
     expect_channels(parts, 2, NULL, 3, (const int[]){3, 2, 1}, "\"beauty\"");
     parts[1] = part_of("grey", "mask.Y");
     expect_channels(parts, 2, NULL, 1, (const int[]){0}, "layer mask");
-    parts[0] = part_of("left", "B/G/R"); /* two of a kind: the first, and it is said */
+    parts[0] = part_of("left", "B/G/R"); /* two alike: the first is read, with a message */
     parts[1] = part_of("right", "B/G/R");
     expect_channels(parts, 2, NULL, 3, bgr, NULL);
     assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_PARTS], "\"right\""));
 }
 
-/* More than one choice, or none: parts and channels are listed, and a name picks. */
+/* Files with several choices or none: the message lists parts and channels, and --layer picks one by name. */
 TEST(test_layer_option) {
     bytes_part parts[3] = {part_of(NULL, "a.B/a.G/a.R/b.c.B/b.c.G/b.c.R")};
     expect_refused(parts, 1, "option layer picks one: part 1 has a.B, a.G, a.R, b.c.B");
@@ -334,7 +333,8 @@ TEST(test_layer_option) {
     expect_refused(parts, 1, "Normal.X, Normal.Y, Normal.Z, u, v");
 }
 
-/* Luminance with half of its chroma is no grey picture, and one grey picture of several is told of. */
+/* Luminance with one of the two chroma channels is not read as grey; one of several grey pictures is read with a
+ * message. */
 TEST(test_grey_choice) {
     bytes_part parts[3] = {part_of(NULL, "RY/Y")};
     expect_refused(parts, 1, "part 1 has RY, Y");
@@ -345,7 +345,7 @@ TEST(test_grey_choice) {
     parts[1] = part_of("500nm", "Y");
     expect_channels(parts, 2, NULL, 1, (const int[]){0}, NULL);
     assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_PARTS], "\"500nm\""));
-    parts[0] = part_of("beauty", "B/G/R"); /* a mask beside colours is none of them */
+    parts[0] = part_of("beauty", "B/G/R"); /* a mask beside colours is no choice */
     expect_channels(parts, 2, NULL, 3, bgr, NULL);
     assert_true(info.notes.texts[IMAGE_NOTE_PARTS][0] == '\0');
 }
@@ -383,7 +383,7 @@ TEST(test_many_layers) {
     expect_refused(&p, 1, "option layer picks one");
 }
 
-/* Only so many channels are looked through. */
+/* A file with too many channels is refused. */
 TEST(test_too_many_channels) {
     enum { COUNT = 4097 };
     static char names[COUNT][8];
@@ -465,7 +465,7 @@ TEST(test_chromaticities) {
     assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_SPACE], "span no colour space"));
 }
 
-/* Attributes that change the meaning of pixels and are not followed are told. */
+/* Attributes that change the meaning of pixels, but are not followed, give a message. */
 TEST(test_notes) {
     static const float nits = 100;
     static const int32_t turned = 6, upright = 1;
@@ -511,7 +511,7 @@ TEST(test_notes) {
     }
 }
 
-/* The other view of a stereo picture in one part is told of. */
+/* A message tells of the other view of a stereo picture in one part. */
 TEST(test_views) {
     static const char views[] = "\4\0\0\0left\5\0\0\0right";
     bytes_part p = part_of(NULL, "B/G/R/right.B/right.G/right.R");
@@ -589,8 +589,8 @@ TEST(test_spectrum) {
         assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_SPECTRUM], "31 bands of 400 to 700 nm"));
         assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_SPECTRUM], light ? "as light" : "under D65"));
     }
-    bytes_part p =
-        part_of(NULL, "B/G/R/T.400nm/T.500nm/T.600nm/T.700nm"); /* with a preview: RGB, and it is said */
+    /* of a spectrum with RGB beside it, RGB is read, with a message */
+    bytes_part p = part_of(NULL, "B/G/R/T.400nm/T.500nm/T.600nm/T.700nm");
     free(read_good(&p, 1).pixels);
     assert_non_null(strstr(info.notes.texts[IMAGE_NOTE_PARTS], "spectrum"));
     layer = "spectral";

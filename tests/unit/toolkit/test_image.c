@@ -1,4 +1,5 @@
-/* Decoding of single images (encoder/input/image.h): every format as it should be, cut off everywhere, and odd.
+/* Decoding of single images (encoder/input/image.h): every format in sound files, in files cut off anywhere, and in odd
+ * ones.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -212,7 +213,7 @@ TEST(test_jpeg) {
     expect_error(BTF_ERROR_BAD_FILE, "JPEG");
 }
 
-/* EXIF says "turn by 90 degrees": refused rather than read as it lies. */
+/* A file whose EXIF data ask for a rotation by 90 degrees is refused, and not read unrotated. */
 TEST(test_jpeg_orientation) {
     static const unsigned char exif[] = {0xff, 0xe1, 0, 34, 'E', 'x', 'i', 'f', 0, 0,    'M', 'M',
                                          0,    42,   0, 0,  0,   8,   0,   1,   1, 0x12, 0,   3,
@@ -327,7 +328,7 @@ TEST(test_exr) {
     assert_int_equal(exr_image_write("/dev/full", W, H, rgb, false, no_log), BTF_ERROR_IO);
 }
 
-/* Noise, in sizes where some chunk deflates to just its own length: 37x23 of half floats was read back
+/* Noise, in sizes where some chunk deflates to exactly its own length: 37x23 of half floats once was read back
  * wrong. */
 TEST(test_exr_noise) {
     uint32_t random = 1;
@@ -413,7 +414,7 @@ TEST(test_no_image) {
     expect_error(BTF_ERROR_BAD_FILE, "JPEG");
 }
 
-/* A layer is asked of a file that has none. */
+/* --layer is refused for a file format without layers. */
 TEST(test_layer_of_png) {
     static const char png[] = "\x89PNG\r\n\x1a\n";
     char message[700];

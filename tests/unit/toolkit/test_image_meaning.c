@@ -1,5 +1,5 @@
-/* Image files give their pixels a meaning that readers have to follow or tell: colour chunks of PNG,
- * profiles, lenient headers of JPEG, header lines of Radiance HDR.
+/* Data in image files that change the meaning of pixels, and that the reader has to follow or warn of: colour chunks of
+ * PNG, profiles, lenient headers of JPEG, header lines of Radiance HDR.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -104,7 +104,7 @@ static enc_image decode_good(const bytes *b) {
     return image;
 }
 
-/* What decoding tells of this kind holds the words; it tells nothing where they are NULL. */
+/* Checks that decoding gives a note of this kind that holds the words, or none where they are NULL. */
 static void expect_note(const bytes *b, image_note_kind kind, const char *words) {
     enc_image image = decode_good(b);
     const char *note = image.info.notes.texts[kind];
@@ -147,7 +147,7 @@ static double bt709(double v) {
     return v < 0.081 ? v / 4.5 : pow((v + 0.099) / 1.099, 1 / 0.45);
 }
 
-/* gAMA, sRGB and cICP, one over the other in the order of their rank; none means sRGB. */
+/* Of gAMA, sRGB and cICP the later overrides the earlier in this order; without any, sRGB is assumed. */
 TEST(test_png_transfer) {
     for (int depth = 8; depth <= 16; depth += 8) {
         unsigned char gamma[4];
@@ -189,7 +189,7 @@ TEST(test_png_transfer) {
     enc_image_clear(&image);
 }
 
-/* cHRM: Rec. 709's leave things alone, others are converted, behind sRGB they mean nothing. */
+/* cHRM: with primaries of Rec. 709 nothing changes, others are converted, and beside sRGB the chunk is ignored. */
 TEST(test_png_primaries) {
     static const uint32_t same[8] = {31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000};
     static const uint32_t wide[8] = {31270, 32900, 68000, 32000, 26500, 69000, 15000, 6000};
@@ -274,7 +274,7 @@ static void expect_profile(const bytes *b, size_t k) {
     expect_note(b, IMAGE_NOTE_PROFILE, profiles[k].srgb ? NULL : profiles[k].name);
 }
 
-/* By its description, not by what the chunk calls it; a profile that cannot be inflated by that name. */
+/* A profile is named by its description and not by its chunk; one that cannot be inflated by the name in the chunk. */
 TEST(test_png_profile) {
     for (size_t k = 0; k < 2 * sizeof profiles / sizeof *profiles; k++) {
         unsigned char profile[400], chunk[600] = "icc\0";
@@ -308,7 +308,8 @@ static size_t add_tag(unsigned char *profile, size_t size, const char *name, con
     return size + length;
 }
 
-/* A profile by the name of sRGB with these curves and this red, as the reader takes it; whether it is sRGB. */
+/* Makes a profile that is called sRGB, with these curves and this red; returns whether the reader accepts it as
+ * sRGB. */
 static bool is_taken_as_srgb(const unsigned char *curve, size_t curve_size, const unsigned char *red) {
     static unsigned char profile[4000];
     image_info info = {0};
@@ -328,7 +329,7 @@ static bool is_taken_as_srgb(const unsigned char *curve, size_t curve_size, cons
     return !told;
 }
 
-/* A profile that is called sRGB and has other curves or primaries is told of. */
+/* A profile that is called sRGB but has other curves or primaries gives a note. */
 TEST(test_profile_contents) {
     static const unsigned char linear_curve[12] = "curv", gamma22[14] = "curv\0\0\0\0\0\0\0\1\2\63";
     static unsigned char table[12 + 2 * 1024] = "curv";
@@ -375,8 +376,8 @@ TEST(test_png_exif_behind) {
 static const unsigned char turned_long[] = {'I', 'I', 42, 0, 8, 0, 0, 0, 1, 0, 0x12, 1, 4,
                                             0,   1,   0,  0, 0, 6, 0, 0, 0, 0, 0,    0, 0};
 
-/* Where else programs keep an orientation in a PNG: texts of ImageMagick and ExifTool, a prefix of JPEG's, the
- * type LONG; XMP is told of alone. */
+/* Other places where programs keep an orientation in a PNG: texts of ImageMagick and ExifTool, the prefix of JPEG's
+ * EXIF block, the type LONG. That of XMP is not followed, but gives a note. */
 TEST(test_png_exif_elsewhere) {
     static const char xmp[] = "XML:com.adobe.xmp\0\0\0\0\0<rdf:Description tiff:Orientation=\"8\"/>";
     unsigned char block[6 + sizeof turned_long] = "Exif\0\0", text[300], packed[400];
@@ -492,7 +493,7 @@ TEST(test_jpeg_profile) {
     }
 }
 
-/* An orientation of the type LONG turns; XMP's is told of alone. */
+/* An orientation of the type LONG counts; that of XMP gives a note only. */
 TEST(test_jpeg_orientation) {
     static const char xmp[] = "http://ns.adobe.com/xap/1.0/\0<tiff:Orientation>3</tiff:Orientation>";
     unsigned char exif[6 + sizeof turned_long] = "Exif\0\0";
@@ -504,8 +505,8 @@ TEST(test_jpeg_orientation) {
     expect_refused(&b, BTF_ERROR_UNSUPPORTED, "EXIF orientation 6");
 }
 
-/* A sequential file whose scan header has the spectral range of a progressive one: read whole, and told. A
- * code that is broken stays refused. */
+/* A sequential file whose scan header has the spectral range of a progressive one is read whole, with a note. A broken
+ * code is still refused. */
 TEST(test_jpeg_lenient) {
     bytes b = plain_jpeg(), strict = b;
     size_t at = 2;
@@ -567,7 +568,7 @@ TEST(test_hdr_orders) {
         const bytes b = hdr_of("", bad[k]);
         expect_refused(&b, BTF_ERROR_UNSUPPORTED, "line 3");
     }
-    const bytes b = hdr_of("", "+X 6 -Y 6"); /* a square one is ATRIUM's, and that is told */
+    const bytes b = hdr_of("", "+X 6 -Y 6"); /* a square one is taken for ATRIUM's, with a note */
     enc_image image = decode_good(&b);
     assert_true(((float *)image.pixels)[0] == (float)(128 + 30) / 256);
     assert_non_null(strstr(image.info.notes.texts[IMAGE_NOTE_HEADER], "\"+X 6 -Y 6\""));

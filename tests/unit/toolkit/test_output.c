@@ -83,7 +83,7 @@ TEST_WITH(test_two_writers, set_up, remove_temporary_folder) {
     output *a, *b;
     assert_int_equal(output_open(target, log_keep, &a), BTF_OK);
     assert_int_equal(output_open(target, log_keep, &b),
-                     BTF_OK); /* must not take a's file for a stale one */
+                     BTF_OK); /* must not remove a's file as a stale one */
     fputs("a", output_stream(a));
     fputs("b", output_stream(b));
     assert_int_equal(output_commit(&a), BTF_OK);
@@ -111,7 +111,7 @@ TEST_WITH(test_stale_files, set_up, remove_temporary_folder) {
     assert_int_not_equal(access(live, F_OK), 0);
 }
 
-/* Opens a file in a child that then ends in some way, and looks for what it left behind. */
+/* Opens an output in a child process that then ends by `end`; returns its status, and counts the files that it left. */
 static int end_of_child(void (*end)(void), int *out_files) {
     fflush(NULL);
     const pid_t child = fork();
@@ -153,7 +153,7 @@ static void end_by_sigkill(void) {
 static struct sigaction bus_action;
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-/* Reads behind the end of a mapped file. A sanitizer handles that itself. */
+/* Reads beyond the end of a mapped file, which raises SIGBUS. Sanitizers handle that signal themselves. */
 static void end_by_short_input(void) {
     char path[400];
     sigaction(SIGBUS, &bus_action, NULL);
@@ -187,7 +187,7 @@ TEST_WITH(test_ends_of_process, set_up, remove_temporary_folder) {
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 2);
     assert_int_equal(files, 0);
 #endif
-    /* nothing helps against this one but the next writer */
+    /* only the next writer can remove what a process killed by SIGKILL left */
     status = end_of_child(end_by_sigkill, &files);
     assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
     assert_int_equal(files, 1);
@@ -204,7 +204,7 @@ TEST_WITH(test_other_targets, set_up, remove_temporary_folder) {
     assert_int_equal(stat("/dev/null", &status), 0);
     assert_true(S_ISCHR(status.st_mode));
 
-    int ends[2]; /* a pipe by its name, which leads to no path */
+    int ends[2]; /* a pipe, whose name in /proc leads to no path */
     char name[40], got[8] = "";
     assert_int_equal(pipe(ends), 0);
     snprintf(name, sizeof name, "/proc/self/fd/%d", ends[1]);
@@ -245,7 +245,7 @@ TEST_WITH(test_same, set_up, remove_temporary_folder) {
     snprintf(other, sizeof other, "%s/other", temporary_folder);
     snprintf(detour, sizeof detour, "%s/./%s", temporary_folder, strrchr(target, '/') + 1);
     unlink(target);
-    assert_true(output_is_same(target, target)); /* none of them is there yet */
+    assert_true(output_is_same(target, target)); /* the file does not exist yet */
     assert_true(output_is_same(target, detour));
     assert_false(output_is_same(target, other));
     FILE *f = fopen(target, "w");
@@ -260,11 +260,11 @@ TEST_WITH(test_same, set_up, remove_temporary_folder) {
     assert_int_equal(symlink(target, other), 0);
     assert_true(output_is_same(other, target));
     unlink(other);
-    assert_false(output_is_same("/dev/null", "/dev/null")); /* nothing is replaced there */
+    assert_false(output_is_same("/dev/null", "/dev/null")); /* writing there replaces no file */
     assert_false(output_is_same("/nonexistent/x", "/nonexistent/x"));
 }
 
-/* SIGINT is caught while a progress lives, and as before afterwards. */
+/* SIGINT is caught while a progress exists; afterwards the action before it is restored. */
 TEST(test_signals_given_back) {
     struct sigaction before, during, after;
     sigaction(SIGINT, NULL, &before);
@@ -303,7 +303,7 @@ TEST(test_stages) {
     progress_destroy(&p);
 }
 
-/* A log that is no terminal gets few lines, quiet none. */
+/* A log that is no terminal gets few lines; with quiet it gets none. */
 TEST_WITH(test_plain_lines, set_up, remove_temporary_folder) {
     for (int quiet = 0; quiet < 2; quiet++) {
         fflush(NULL);

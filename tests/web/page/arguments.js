@@ -1,4 +1,4 @@
-/* Arguments to compare on: most of them directions of the hemisphere and coordinates of the image, some extreme.
+/* Arguments for comparisons: mostly directions of the hemisphere and coordinates within the image, some extreme.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,5 +1,5 @@
-/* decoder/web/examples/babylon.html: runs it in a frame and compares pixels with the reference decoder. What a pixel shows is found
- * by Babylon's picking; the tangent frame there is worked out from the positions and uv of the triangle.
+/* Runs decoder/web/examples/babylon.html in a frame and compares pixels with the reference decoder. Babylon's picking
+ * finds the point that a pixel shows; its tangent frame is computed from the positions and uv of the triangle.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -12,7 +12,7 @@ const unit = (a) => a.map((x) => x / Math.hypot(...a));
 const minus = (a, b) => a.map((x, i) => x - b[i]);
 const list = ({ x, y, z }) => [x, y, z];
 
-/** Of a hit: where it is on the material, and the directions in its tangent frame: [uv, light, view]. */
+/** Returns [uv, light, view] of a hit, the directions in its tangent frame. */
 function argumentsOf(pick, mesh, lamp, eye) {
     const indices = mesh.getIndices().slice(3 * pick.faceId, 3 * pick.faceId + 3);
     const positions = mesh.getVerticesData('position'), uvs = mesh.getVerticesData('uv');

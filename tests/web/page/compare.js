@@ -1,9 +1,9 @@
-/* Parts of comparisons: options and planes of test vectors, bits that differ, texts that are made wrong.
+/* Helpers of comparisons: options and planes of test vectors, counts of differing bits, wrong texts.
  *
  * SPDX-License-Identifier: MIT
  */
 
-/** Of `count` evaluations, values whose bits differ; `want` has three words each, `got` four. */
+/** Counts the values of `count` evaluations whose bits differ; `want` has three words each, `got` four. */
 export function differing(got, want, count) {
     let different = 0;
     for (let i = 0; i < count; i++) {
@@ -35,7 +35,7 @@ export function plane(data, first, size) {
     return out;
 }
 
-/** Where the planes lie that are compared. */
+/** The offsets of the planes that are compared. */
 export const WANTED = { radiance: 8, picked: 11 };
 
 /** Replaces text that must be there. */

@@ -11,16 +11,16 @@ import { changed, differing, optionsOf, plane, WANTED } from './compare.js';
 import { context, draw, program, release } from './draw.js';
 import { bytes, json, note, report } from './post.js';
 
-/* Of the compared values in a row: how large the picture is. 3 * 512 * 336 values are more than 500,000. */
+/* The size of the picture in which materials are compared: 3 * 512 * 336 values are more than 500,000. */
 const WIDE = 512, HIGH = 336;
-/* Variants that materials are decoded by in turn. */
+/* Variants by which materials are decoded, in turn. */
 const VARIANTS = [
     { interpolation: 'linear', filter: 'texel' },
     { interpolation: 'nearest', filter: 'bilinear' },
     { interpolation: 'linear', filter: 'steep' },
 ];
 
-/** Values of a vector's planes that differ. `change` rewrites the shader text. */
+/** Counts the values of a vector's planes that differ. `change` rewrites the shader text. */
 async function replay(gl, vector, planes, change = (text) => text) {
     const material = await open(await bytes(`/vectors/${vector.material}`));
     const data = new Uint32Array(await bytes(`/vectors/${vector.data}`));
@@ -39,7 +39,8 @@ async function replay(gl, vector, planes, change = (text) => text) {
     return different;
 }
 
-/** Every vector's radiance; of a third of them, which have every effect and filter, radiance of picked neighbours too. */
+/** Compares every vector's radiance, and for a third of them, which have every effect and filter, that of picked
+ * neighbours. */
 async function compareVectors(gl, vectors) {
     for (const part of [0, 1, 2]) {
         const list = vectors.filter((_, i) => i % 3 === part);
@@ -58,10 +59,11 @@ async function compareVectors(gl, vectors) {
     }
 }
 
-/* Vectors that a control takes where a browser cannot notice it: enough to see that the text still compiles. */
+/* How many vectors a control decodes where the browser cannot notice the change: enough to see that the text
+ * compiles. */
 const UNNOTICED = 2;
 
-/** Text that is wrong must be noticed by some vector: the first that notices ends the control. */
+/** A wrong text must be noticed with some vector; the first that notices ends the control. */
 async function control(gl, name, vectors, change, noticed) {
     let different = 0, count = 0;
     for (const vector of noticed ? vectors : vectors.slice(0, UNNOTICED)) {

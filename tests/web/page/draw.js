@@ -8,7 +8,7 @@ void main() {
 }
 `;
 
-/* `call` gives the radiance of uv, l, v, level and random. */
+/* `call` is an expression for the radiance at uv, l, v, level and random. */
 const main = (call) => `
 uniform highp usampler2DArray test_arguments;
 uniform highp int test_level;
@@ -35,7 +35,7 @@ export function context() {
     return gl;
 }
 
-/** Ends a context: browsers keep few at a time. */
+/** Releases a context, since browsers keep few at a time. */
 export function release(gl) {
     gl.getExtension('WEBGL_lose_context')?.loseContext();
 }

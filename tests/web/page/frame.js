@@ -1,12 +1,12 @@
-/* Pages in frames: examples as users open them.
+/* Opens pages, such as the examples, in frames.
  *
  * SPDX-License-Identifier: MIT
  */
 
-/** Every URL that a page in a frame asked for, once the frame is closed. */
+/** All URLs that pages in closed frames asked for. */
 export const asked = [];
 
-/** URLs that the policy of a page kept from being asked for, here and in the frames. */
+/** URLs that a page's policy blocked, here and in the frames. */
 export const refused = [];
 
 /** Listens to a document's refused requests. */
@@ -36,7 +36,8 @@ export async function statusOf(frame) {
     return status.textContent;
 }
 
-/** The canvas as [height][width][4] bytes: it is copied in the task that draws it, and is empty after that. */
+/** The canvas as [height][width][4] bytes. It has to be copied in the task that draws it, since it is empty after
+ * that. */
 export function pixelsOf(canvas) {
     const copy = document.createElement('canvas');
     [copy.width, copy.height] = [canvas.width, canvas.height];

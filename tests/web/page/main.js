@@ -1,5 +1,5 @@
-/* The page of the tests in a browser: runs the parts that the job names, one after the other, each a script beside this with a function
- * run(job). One page for all, since starting a browser takes seconds.
+/* The page of the tests in a browser: runs the parts that the job names one after the other, each a script beside this
+ * file with a function run(job). One page serves all parts, since starting a browser takes seconds.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -14,7 +14,7 @@ performance.setResourceTimingBufferSize(10000);
 watch(document);
 
 async function run() {
-    console.error('control: a line of the console'); // the test expects it: an error would be seen too
+    console.error('control: a line of the console'); // the test expects this line, which shows that it sees errors
     const job = await json('/job');
     await load('/package/openbtf.wasm');
     for (const part of job.parts) {

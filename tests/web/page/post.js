@@ -4,13 +4,14 @@
  */
 export const post = (path, value) => fetch(path, { method: 'POST', body: JSON.stringify(value) });
 
-/** A case: passed where `wrong` is empty, else it says what is wrong. */
+/** Reports a case: it passed where `wrong` is empty; else `wrong` says why it failed. */
 export const report = (name, wrong = '') => post('/case', { name, wrong });
 
 /** A line for the log. */
 export const note = (line) => post('/note', line);
 
-/** A picture, [side][side][4] bytes, for whoever looks at the test's pictures (BTF_PICTURES of run_browser.mjs). */
+/** Sends a picture, [side][side][4] bytes, for people who look at the test's pictures (BTF_PICTURES of
+ * run_browser.mjs). */
 export async function picture(name, pixels, side) {
     const canvas = document.createElement('canvas');
     canvas.width = canvas.height = side;

@@ -1,4 +1,4 @@
-/* openbtf/webgl as a guest in a context: state of the user's, bytes, memory.
+/* openbtf/webgl in a context of the user's: it restores state, tells its bytes and frees its memory.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -7,7 +7,7 @@ import { selfTest, upload } from '/package/webgl.js';
 import { context, release } from './draw.js';
 import { bytes, report } from './post.js';
 
-/** State that a user may have set must be what it was. */
+/** All state that a user may have set is restored. */
 async function restoresState(gl, name) {
     const buffer = gl.createBuffer(), texture = gl.createTexture(), other = gl.createTexture(), framebuffer = gl.createFramebuffer();
     const array = gl.createVertexArray(), sampler = gl.createSampler();

@@ -1,17 +1,19 @@
-/* decoder/web/examples/three.html and three-webgpu.html: runs one in a frame, turns the camera with the pointer, and looks at the picture.
+/* Runs decoder/web/examples/three.html or three-webgpu.html in a frame, turns the camera with the pointer, and checks
+ * the picture.
  *
  * SPDX-License-Identifier: MIT
  */
 import { closeFrame, openFrame, pixelsOf, statusOf } from './frame.js';
 import { picture, report } from './post.js';
 
-/* Of each example, what it calls when it draws to the canvas: [class, function, whether a call is of the canvas]. */
+/* For each example the function that draws to its canvas: [class, function, predicate of calls on that canvas]. */
 const DRAWS = {
     three: ['WebGL2RenderingContext', 'drawElements', (gl, canvas) => gl.canvas === canvas],
     'three-webgpu': ['GPUCanvasContext', 'getCurrentTexture', (context, canvas) => context.canvas === canvas],
 };
 
-/** The canvas once `act` has made the example draw; it draws when the camera moves, in the task of the event or in the next frame. */
+/** Calls `act`, which moves the camera, and returns the canvas once the example has drawn: in the task of the event or
+ * in the next frame. */
 function after(frame, canvas, example, act) {
     return new Promise((resolve) => {
         const [kind, name, draws] = DRAWS[example];
@@ -36,7 +38,7 @@ function drag(frame, canvas, from, to) {
     const { left, top } = canvas.getBoundingClientRect();
     const send = (type, [x, y], target) => target.dispatchEvent(new frame.contentWindow.PointerEvent(type, { pointerId: 1, pointerType: 'mouse',
         button: 0, buttons: type === 'pointerup' ? 0 : 1, clientX: left + x, clientY: top + y, pageX: left + x, pageY: top + y, bubbles: true }));
-    canvas.setPointerCapture = canvas.releasePointerCapture = () => {}; // no pointer of the browser has this id
+    canvas.setPointerCapture = canvas.releasePointerCapture = () => {}; // they would throw: the pointer is simulated
     send('pointerdown', from, canvas);
     send('pointermove', to, canvas);
     send('pointerup', to, canvas);

@@ -1,4 +1,4 @@
-/* openbtf/three: scenes of scenes.mjs drawn by three.js, against the pictures that btf-render drew of them.
+/* openbtf/three: compares scenes of scenes.mjs that three.js draws with the pictures that btf-render drew of them.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,5 +1,5 @@
-/* Scenes of scenes.mjs in three.js, and comparisons of their pictures with those that btf-render drew. The import map of the page says
- * which build of three it is.
+/* Builds the scenes of scenes.mjs in three.js, and compares pictures with those that btf-render drew. The page's import
+ * map chooses the build of three.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -7,11 +7,12 @@ import * as THREE from 'three';
 import { pixelsOf } from './frame.js';
 import { bytes, note, picture, report } from './post.js';
 
-/* What names of cases begin with. */
+/* The prefix of the cases' names. */
 export const ENGINE = 'WebGPURenderer' in THREE ? 'three-webgpu' : 'three';
 
-/* Of all pixels, how many may be further than NEAR of 255 from btf-render's. It casts rays in double precision, where three has
- * triangles, interpolated in single precision: silhouettes differ, edges of shadows, and which level of detail a pixel takes. */
+/* The difference, of 255, above which a pixel counts as far from btf-render's. btf-render casts rays in double
+ * precision, where three interpolates over triangles in single precision: silhouettes, edges of shadows and levels of
+ * detail differ in some pixels. */
 const NEAR = 2;
 
 /** theta from z, phi from x towards y, degrees. */
@@ -28,7 +29,7 @@ function cameraOf({ view, zoom, fov = 30 }) {
     return camera;
 }
 
-/* The meshes of btf-render: three's sphere begins elsewhere, and its u runs around it once, not twice. */
+/* The meshes as btf-render has them: the u of three's sphere begins elsewhere, and runs around it once, not twice. */
 function meshesOf({ mesh, squares, repeat }, material) {
     if (mesh === 'sphere') {
         material.repeat.set(2 * repeat, repeat);
@@ -83,7 +84,7 @@ async function pictureOf({ picture }) {
     return pixelsOf(image);
 }
 
-/** How a picture differs from another, over the pixels that are something in either. */
+/** Compares two pictures over the pixels that are not empty in both. */
 function compare(a, b) {
     const seen = [];
     for (let i = 0; i < a.length; i += 4) {
@@ -127,11 +128,11 @@ export async function compareScenes(renderer, material, scenes) {
         const world = build(scene, material);
         const theirs = await pictureOf(scene), ours = drawn(renderer, scene, world);
         await picture(`${ENGINE} ${scene.name}`, ours, renderer.domElement.width);
-        // tangents that follow from each triangle are those of a sphere of 128 by 64 facets
+        // tangents computed by triangle are those of a sphere of 128 by 64 facets, and so differ more
         await near(scene.name, ours, theirs, scene.mesh === 'sphere' ? 0.2 : 0.02);
         if (scene.mesh === 'sphere') {
             const sphere = world.children[0];
-            sphere.geometry = sphere.geometry.clone(); // three's WebGPURenderer looks at the attributes of a geometry once
+            sphere.geometry = sphere.geometry.clone(); // three's WebGPURenderer reads a geometry's attributes only once
             sphere.geometry.computeTangents();
             await near(`${scene.name}, with tangents`, drawn(renderer, scene, world), theirs, 0.02);
         }
@@ -217,7 +218,7 @@ export async function compareOpacity(renderer, scene, material) {
     opaque.dispose();
 }
 
-/** What a body throws, by code and message. */
+/** Checks code and message of the error that `body` throws. */
 async function refuses(name, pattern, body) {
     let said = 'nothing is refused';
     try {

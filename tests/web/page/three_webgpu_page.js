@@ -1,4 +1,5 @@
-/* openbtf/three-webgpu: scenes of scenes.mjs drawn by three's WebGPURenderer, against the pictures that btf-render drew of them.
+/* openbtf/three-webgpu: compares scenes of scenes.mjs that three's WebGPURenderer draws with the pictures that
+ * btf-render drew of them.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -53,7 +54,7 @@ async function survivesRefusal(renderer, scene, material) {
     const listen = ({ error: { message } }) => errors.push(message);
     device.addEventListener('uncapturederror', listen);
     console.error = (text) => said.push(text);
-    let made = 0, refused = 0; // of the scopes to come, those whose answer is a refusal: of the textures, not of what three makes
+    let made = 0, refused = 0; // refused: how many of the next error scopes report a refusal, those of our textures
     const { createTexture } = device;
     device.createTexture = function (description) {
         if (description.label?.startsWith('openbtf ')) {
@@ -96,7 +97,8 @@ async function survivesRefusal(renderer, scene, material) {
     other.dispose();
 }
 
-/* The golden material is noise, with values beyond what the halves hold in which three keeps a picture. */
+/* Frames are in floats by default, because the golden material is noise with values beyond the range of the halves that
+ * three uses. */
 async function rendererOf(side, outputBufferType = THREE.FloatType) {
     const renderer = new THREE.WebGPURenderer({ outputBufferType });
     await renderer.init();

@@ -1,4 +1,5 @@
-/* decoder/web/examples/webgl.html: runs it in a frame, moves the pointer over it, and compares pixels with the reference decoder.
+/* Runs decoder/web/examples/webgl.html in a frame, moves the pointer over it, and compares pixels with the reference
+ * decoder.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -8,7 +9,7 @@ import { bytes, report } from './post.js';
 
 const SIDE = 512;
 
-/** The example with a material, once it says something other than that it loads. */
+/** Opens the example with a material, and waits until it no longer says that it loads. */
 async function example(name) {
     const frame = await openFrame(`/example/webgl.html?${name}`);
     return { frame, said: await statusOf(frame), canvas: frame.contentDocument.getElementById('canvas') };

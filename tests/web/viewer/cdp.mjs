@@ -1,4 +1,5 @@
-/* Drives Chromium by the DevTools protocol over a pipe: pages, real input events, pictures of the screen. Needs nothing from npm.
+/* Drives Chromium by the DevTools protocol over a pipe: pages, real input events, pictures of the screen. Needs no npm
+ * package.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -8,12 +9,13 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { CHROMIUM } from '../browser.mjs';
 
-const HANG_MS = 3600000; // a wait of an hour has hung, also on a busy machine
-/* Pixels of the screen a CSS pixel: few, for they are drawn by software. BTF_PICTURES_SCALE=1 for pictures to look at. */
+const HANG_MS = 3600000; // a wait of an hour counts as a hang, also on a busy machine
+/* Pixels of the screen for a CSS pixel: few, because software draws them. BTF_PICTURES_SCALE=1 gives pictures for
+ * people. */
 const SCALE = Number(process.env.BTF_PICTURES_SCALE ?? 0.25);
 const sleep = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
 
-/* A script that a page gets before its own: counts of WebGL objects that are alive. */
+/* A script that runs before those of the page and counts its live WebGL objects. */
 const COUNT_OBJECTS = `(() => {
     window.alive = {};
     for (const kind of ['Texture', 'Buffer', 'Program', 'Shader', 'Framebuffer', 'Renderbuffer', 'VertexArray']) {
@@ -42,7 +44,7 @@ export class Browser {
         this.#child.stdio[4].setEncoding('utf8');
         this.#child.stderr.on('data', (data) => { this.#said = (this.#said + data).slice(-2000); });
         this.#child.stdio[4].on('data', (text) => this.#received(text));
-        this.#child.stdio[3].on('error', () => {}); // it has ended: exit says so
+        this.#child.stdio[3].on('error', () => {}); // the browser has ended: its exit event tells
         this.#child.on('exit', (code) => this.#waiting.forEach(({ reject }) => reject(new Error(`chromium ended (${code}): ${this.#said}`))));
         process.on('exit', () => this.#kill());
         ['SIGINT', 'SIGTERM', 'SIGHUP'].forEach((signal) => process.on(signal, () => process.exit(1)));
@@ -157,7 +159,7 @@ class Page {
         }
     }
 
-    /** Waits until the picture as it is now set has been drawn in full. */
+    /** Waits until the picture has been drawn in full with the current settings. */
     async settled() {
         await sleep(50);
         await this.until("document.documentElement.dataset.samples >= 1 && ['refining', 'done'].includes(document.documentElement.dataset.state)");
@@ -172,7 +174,7 @@ class Page {
         return data;
     }
 
-    /** Where an element lies: {x, y: its middle, left, top, width, height}, in CSS pixels, after it was scrolled to. */
+    /** Scrolls to an element and returns its box: {x, y: its centre, left, top, width, height}, in CSS pixels. */
     async box(selector) {
         return this.evaluate(`(() => {
             const element = document.querySelector(${JSON.stringify(selector)});
@@ -232,7 +234,7 @@ class Page {
         await this.send('DOM.setFileInputFiles', { nodeId, files });
     }
 
-    /** Sets a control as a user does who picks a value. */
+    /** Sets a control, with the events that a user's choice gives. */
     async set(id, value) {
         await this.evaluate(`(() => {
             const control = document.getElementById(${JSON.stringify(id)});

@@ -20,7 +20,7 @@ await cards.close();
 
 const page = await open(viewer, '#compare=shift&split=0.46&zoom=0.85');
 await page.until('document.documentElement.dataset.exact && document.documentElement.dataset.samples >= 1');
-// how long a software device takes is no news
+// hide the frame rate, which is that of a software device
 await page.evaluate("document.getElementById('rate').hidden = true, document.getElementById('hint').classList.add('gone'), document.getElementById('h-effects').scrollIntoView()");
 await page.until("getComputedStyle(document.getElementById('hint')).opacity === '0'");
 await page.picture(join(out, 'web-viewer.png'));

@@ -1,8 +1,8 @@
 /* The viewer and the gallery in Chromium, from file://, by real input events: test_viewer.mjs VIEWER GALLERY GOLDEN PICTURES
  * [PATTERN].
  *
- * VIEWER, GALLERY: the pages. GOLDEN: tests/data/golden. PICTURES: a folder for pictures of each feature, which people look at.
- * PATTERN: of names of cases, a regular expression; the others are left out.
+ * VIEWER, GALLERY: the pages. GOLDEN: tests/data/golden. PICTURES: a folder for pictures of each feature, for people to
+ * look at. PATTERN: a regular expression; only cases whose names match run.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -37,13 +37,14 @@ async function link(page, before, member = '') {
 }
 const hash = (page) => page.evaluate('location.hash');
 
-/** The picture alone, without what lies over it. */
+/** The picture alone, without the controls over it. */
 async function drawn(page) {
     const box = await page.box('#canvas');
     return page.picture(null, { x: box.left + 0.2 * box.width, y: box.top + 0.2 * box.height, width: 0.6 * box.width, height: 0.55 * box.height });
 }
 
-/** Of two pictures of one size: the mean difference of their values, of 255, and how many colours the first has. */
+/** Compares two pictures of one size: the mean difference of their values, of 255, and the number of the first one's
+ * colours. */
 function compared(page, a, b) {
     return page.evaluate(`(async () => {
         const values = async (data) => {
@@ -64,7 +65,7 @@ function compared(page, a, b) {
     })()`);
 }
 
-/** Asserts that what is done changes the picture, and by how much at least. */
+/** Asserts that `body` changes the picture by at least `least`. */
 async function changes(page, what, least, body) {
     await page.settled();
     const before = await drawn(page);
@@ -81,7 +82,7 @@ async function open(path, fragment = '', options = {}) {
     return page;
 }
 
-/** A small image of light from above, in runs as most writers pack rows. */
+/** A small environment map with light from above, its rows run-length coded as most writers do. */
 function hdrFile() {
     const [width, height] = [32, 16], rows = [];
     for (let y = 0; y < height; y++) {
@@ -274,7 +275,7 @@ await test('viewer: files that are dropped: good, damaged, wrong, 100 MB', async
     writeFileSync(large, '');
     truncateSync(large, 100e6);
     await refused(large, /not an OpenEXR file/);
-    // 100 MB behind a header: the library says what it makes of it
+    // 100 MB after a header: the library gives the message
     const padded = join(work, 'padded.btf.exr');
     copyFileSync(damaged, padded);
     truncateSync(padded, 100e6);
@@ -324,7 +325,7 @@ await test('viewer: the picture is saved as PNG', async () => {
     await page.click('#save');
     await page.until(`/^Saved/.test(${at('said')})`);
     const file = join(work, (await said(page)).replace('Saved ', ''));
-    // the browser gives a file its name once it is whole
+    // the browser renames a download to its name once it is complete
     while (!existsSync(file)) {
         await new Promise((done) => { setTimeout(done, 100); });
     }

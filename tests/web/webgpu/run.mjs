@@ -17,7 +17,7 @@ needWebGPU(browser);
 const here = dirname(fileURLToPath(import.meta.url));
 const job = {
     golden: readdirSync(golden).filter((name) => name.endsWith('.btf.exr')).sort(),
-    // Chromium's SwiftShader keeps the order of operations even where it need not
+    // Chromium's SwiftShader does not use the freedom to reorder, so a missing run-time zero changes nothing there
     noticesZero: browser === 'firefox',
     texts: texts !== '-',
     long: long === '--long',

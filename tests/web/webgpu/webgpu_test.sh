@@ -7,7 +7,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 root=$here/../../..
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-# before all that takes time
+# checked first, because the rest takes long
 node --input-type=module -e "import { needPrograms, needWebGPU } from '$here/../browser.mjs'; needPrograms('$1'); needWebGPU('$1');"
 mkdir "$work/vectors" "$work/texts"
 "$3" --vectors "$work/vectors"

@@ -1,5 +1,5 @@
-/* Times of this browser: of the viewer, in a frame; of a square of 512 x 512 pixels, each of which is decoded, by WebGL2 and by WebGPU.
- * Core seconds are those of all of the browser's processes: what else the machine does changes them little.
+/* Measures this browser: the viewer in a frame, and a square of 512 x 512 decoded pixels, by WebGL2 and by WebGPU. Core
+ * seconds are those of all of the browser's processes; they depend little on other load of the machine.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,14 +9,14 @@ import { webgl } from './webgl.js';
 import { webgpu } from './webgpu.js';
 
 const SIDE = 512;
-/* Pictures are timed one by one, until so many have been or so long has passed. */
+/* Pictures are timed one by one, until MOST have been drawn or ENOUGH_MS have passed. */
 const MOST = 15, ENOUGH_MS = 20000;
 
 const tell = (name, value) => post('/value', { name, value });
 
 const coreSeconds = () => json('/core-seconds');
 
-/** Of a picture: the median time, and core seconds in the mean; how many were timed. */
+/** Times pictures: returns the median time, the mean core seconds, and the number of pictures. */
 async function timePictures(draw) {
     const before = await coreSeconds(), times = [], begun = performance.now();
     while (times.length < MOST && (times.length < 3 || performance.now() - begun < ENOUGH_MS)) {
@@ -27,7 +27,7 @@ async function timePictures(draw) {
     return { ms: times.sort((a, b) => a - b)[times.length >> 1], cores: (await coreSeconds() - before) / times.length, of: times.length };
 }
 
-/* Of an API: from the file's bytes to a picture that the device is done with, and then picture by picture. */
+/* Times an API: first from the file's bytes to a finished picture, then picture by picture. */
 async function timeSquare(api, data) {
     const times = {};
     for (const math of ['exact', 'fast']) {

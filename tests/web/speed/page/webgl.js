@@ -11,7 +11,8 @@ void main() {
     gl_Position = vec4(2.0 * uv - 1.0, 0.0, 1.0);
 }`;
 
-/** {draw: draws under a light and waits for the device, name: of the device, destroy}; `step` is told what is done. */
+/** Returns {draw: draws under a light and waits for the device, name: the device's name, destroy}; calls `step` after
+ * each step. */
 export async function webgl(material, math, side, step) {
     const canvas = new OffscreenCanvas(side, side);
     const gl = canvas.getContext('webgl2', { antialias: false });

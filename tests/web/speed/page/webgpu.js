@@ -15,7 +15,7 @@ struct corner { @builtin(position) position: vec4f, @location(0) uv: vec2f }
     return vec4f(btf_evaluate(uv, light.xyz, vec3f(0.0, 0.0, 1.0)), 1.0);
 }`;
 
-/** As webgl() of webgl.js. */
+/** The same as webgl() of webgl.js, by WebGPU. */
 export async function webgpu(material, math, side, step) {
     const adapter = await navigator.gpu.requestAdapter(), device = await adapter.requestDevice();
     step('device');

@@ -1,9 +1,9 @@
-/* Uses the viewer in a frame, by events of its own making, and posts what it saw: what needs no driver of the browser.
+/* Uses the viewer in a frame by events that this script makes, so that no WebDriver is needed, and posts what it saw.
  *
  * SPDX-License-Identifier: MIT
  */
 const post = (path, value) => fetch(path, { method: 'POST', body: JSON.stringify(value) });
-const HANG_MS = 3000000; // a wait of 50 minutes has hung, also on a busy machine; browser.mjs waits for longer
+const HANG_MS = 3000000; // a wait of 50 minutes counts as a hang, also on a busy machine; browser.mjs waits for longer
 
 async function until(what, condition) {
     const end = Date.now() + HANG_MS;
@@ -17,7 +17,7 @@ async function until(what, condition) {
 
 const check = (name, good, wrong) => post('/case', { name: `viewer: ${name}`, wrong: good ? '' : wrong || 'not so' });
 
-/** The viewer in a frame: its window and document, what it notes in attributes, and errors that it did not catch. */
+/** The viewer in a frame: its window and document, the state that it keeps in attributes, and its uncaught errors. */
 class Viewer {
     errors = [];
 
@@ -87,7 +87,7 @@ async function checkKeys(viewer) {
     await check('keys turn, light, zoom, expose, choose and go back', true);
 }
 
-/** Files that are dropped: a good one is shown; of a damaged and a wrong one a message says why not, and the material stays. */
+/** Drops files: a good one is shown; for a damaged and a wrong one a message says why, and the material stays. */
 async function checkFiles(viewer, golden) {
     const good = new Uint8Array(await (await fetch(`/golden/${golden}`)).arrayBuffer()), title = golden.replace('.btf.exr', '');
     viewer.drop(golden, good);
@@ -107,7 +107,7 @@ async function checkFiles(viewer, golden) {
     await viewer.settled();
 }
 
-/** The picture that is saved, looked into. */
+/** Checks the picture that the viewer saves. */
 async function checkPicture(viewer) {
     const { URL: urls, HTMLAnchorElement: Anchor } = viewer.inside, { createObjectURL } = urls;
     let saved, name;

@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 
-/* `call` gives the radiance of uv, l, v, level and random; arguments are those of pack(). */
+/* `call` is an expression for the radiance at uv, l, v, level and random; arguments are laid out by pack(). */
 const main = (call) => `
 struct test_settings {
     width: u32,
@@ -35,7 +35,7 @@ const CALLS = {
     picked: 'btf_evaluate_stochastic_level(uv, l, v, level, btf_random(vec3u(p, test_given.number)))',
 };
 
-/** A device with the default limits, and what it says it is. */
+/** Returns a device with the default limits, and its description. */
 export async function device() {
     const adapter = await navigator.gpu?.requestAdapter();
     if (!adapter) {
@@ -76,7 +76,7 @@ export async function compile(gpu, source, layout, plane) {
 /**
  * Evaluates.
  * @param args [2][count][4] words, as pack() gives them
- * @param width of the picture whose pixels the random numbers are of
+ * @param width of the picture whose pixels' random numbers are used
  * @returns [count][4] words, of which the last is 1
  */
 export async function evaluate(gpu, bindGroup, compiled, width, args, level, number) {

@@ -12,15 +12,16 @@ import { WANTED, changed, differing, optionsOf, plane } from '/page/compare.js';
 import { compile, device, evaluate } from './compute.js';
 import { draw } from './fragment.js';
 
-/* Of materials against the reference: 3 * 168,000 values are more than 500,000; the short form has an eighth. */
+/* Evaluations of each material against the reference: 3 * 168,000 values are more than 500,000; the short form has an
+ * eighth. */
 const MANY = 168000, FEW = 21000;
-/* Variants that materials are decoded by: in turn, or in the long form all of them. */
+/* Variants by which materials are decoded: each by one, in turn; in the long form each by all. */
 const VARIANTS = [
     { interpolation: 'linear', filter: 'texel' },
     { interpolation: 'nearest', filter: 'bilinear' },
     { interpolation: 'linear', filter: 'steep' },
 ];
-const WIDE = 500; // of the picture that arguments without random numbers are in: any
+const WIDE = 500; // width of the picture for arguments without random numbers; any will do
 
 const post = (path, value) => fetch(path, { method: 'POST', body: JSON.stringify(value) });
 const report = (name, wrong = '') => post('/case', { name, wrong });
@@ -29,7 +30,7 @@ const json = async (path) => (await fetch(path)).json();
 const bytes = async (path) => (await fetch(path)).arrayBuffer();
 const wgsl = (options) => ({ ...options, language: 'wgsl' });
 
-/* Seconds so far by what they went to; told, never judged. */
+/* Seconds so far for each kind of work: printed, never asserted. */
 const spent = { compiling: 0, decoding: 0, 'the reference': 0 };
 
 async function timed(what, body) {
@@ -41,7 +42,7 @@ async function timed(what, body) {
 
 const tellTimes = (of) => note(`${of}: seconds so far: ${Object.entries(spent).map(([what, seconds]) => `${what} ${seconds.toFixed(1)}`).join(', ')}`);
 
-/** Pipelines by text and plane. Layouts of the same entries are the same to WebGPU. */
+/** A cache of pipelines by text and plane. WebGPU treats layouts with the same entries as the same. */
 class Pipelines {
     #gpu;
     #compiled = new Map();
@@ -127,7 +128,8 @@ async function compareReference(gpu, materials, long) {
     }
 }
 
-/** Text that is wrong must be noticed. Without `noticed`, a browser that cannot notice it says how many values differ. */
+/** A wrong text must be noticed. Without `noticed`, for a browser that cannot notice it, the number of differing values
+ * is only printed. */
 async function control(gpu, name, vectors, change, noticed) {
     const pipelines = new Pipelines(gpu);
     let different = 0, count = 0;
@@ -142,7 +144,8 @@ async function control(gpu, name, vectors, change, noticed) {
     await note(`control ${name}: ${different} values of ${count} vectors differ`);
 }
 
-/* a * b + a * c of 65,536 triples, by the library's two functions, and what float arithmetic with one rounding each gives. */
+/* Compares a * b + a * c of 65,536 triples, by the library's two functions, with float arithmetic that rounds each
+ * operation. */
 async function protection(gpu, source, layout, bindGroup, protects) {
     const count = 65536;
     const code = `${source}
@@ -215,7 +218,7 @@ async function compareDrawn(gpu, name) {
     await report(`drawn: ${name}, ${3 * side * side} values, 0 bits differ`, different ? `${different} values differ` : '');
 }
 
-/** Uploads that are refused, and the facts that an upload tells of itself. */
+/** Checks uploads that are refused, and the properties of an upload. */
 async function checkUpload(gpu, name) {
     const material = await open(await bytes(`/golden/${name}`));
     const refuses = async (pattern, body, code = 'UNSUPPORTED') => {
@@ -247,7 +250,7 @@ async function checkUpload(gpu, name) {
     material.close();
 }
 
-/** Texts of all variants, as test_wgsl wrote them: the browser's compiler takes each. */
+/** Checks that the browser compiles the texts of all variants, as test_wgsl wrote them. */
 async function compileTexts(gpu) {
     const texts = await json('/texts/texts.json');
     const wrong = [];
@@ -282,7 +285,7 @@ async function run() {
     const vectors = await json('/vectors/vectors.json');
     await compareVectors(gpu, job.long ? vectors : vectors.filter((_, i) => i % 5 === 0));
     const zero = vectors.filter((_, i) => i % 4 === 0);
-    // a module-scope constant of the name takes the place of the uniform
+    // a module-scope constant replaces the uniform
     await control(gpu, 'a zero that the compiler knows', zero, (text) => text.replace(/@group\(0\) @binding\(23\) var<uniform> btf_zero: u32;/, 'const btf_zero = 0u;'), job.noticesZero);
     const shift = vectors.filter(({ effects, about }) => effects.includes('shift') && !about.startsWith('1x1')).slice(0, 4);
     await control(gpu, 'swapped shift bytes', shift, (text) => changed(changed(changed(text, 'btf_shift_of(codes.y)', 'swap'),

@@ -6,7 +6,7 @@ import { open } from '/package/index.js';
 
 const SIDE = 512;
 
-/** The example with a material, once it says something other than that it loads. */
+/** Opens the example with a material, and waits until it no longer says that it loads. */
 async function show(name) {
     const frame = document.createElement('iframe');
     frame.width = frame.height = 600;
@@ -31,7 +31,8 @@ function lit({ frame, canvas }, x, y) {
     return to.getImageData(0, 0, SIDE, SIDE).data;
 }
 
-/** '' or how the pixels differ from the reference by more than rounding, under the light over a pixel. */
+/** Returns '' or a text on how the pixels differ from the reference by more than rounding, under the light over a
+ * pixel. */
 async function compare(pixels, name, x, y) {
     const material = await open(await (await fetch(`/golden/${name}`)).arrayBuffer());
     const light = [x / 256 - 1, 1 - y / 256, 0];

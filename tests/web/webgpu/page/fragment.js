@@ -1,4 +1,4 @@
-/* Evaluates a decoder's WGSL in a fragment shader, a pixel an evaluation: where engines call it.
+/* Evaluates a decoder's WGSL in a fragment shader, where engines call it, a pixel an evaluation.
  *
  * SPDX-License-Identifier: MIT
  */

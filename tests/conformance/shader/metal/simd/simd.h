@@ -1,1 +1,1 @@
-// Nothing of it is used.
+// Metal's text includes this header but uses nothing of it.
