@@ -172,4 +172,5 @@ def main():
     print(f'<!-- {name}: written by tests/bench/regenerate.sh -->\n{MADE[name](*sys.argv[2:])}\n<!-- /{name} -->')
 
 
-main()
+if __name__ == '__main__':
+    main()
