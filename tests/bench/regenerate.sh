@@ -304,8 +304,10 @@ part_presets() {
     tabled presets tests/bench/README.md "$at"
 }
 part_shaders() {
-    btf-bench --only shaders --materials bricks --size 4x4 --out "$work/shaders-$(commit)"
-    tabled shaders tests/bench/README.md "$work/shaders-$(commit)"
+    local at
+    at=$work/shaders-$(commit)
+    btf-bench --only shaders --materials bricks --size 4x4 --out "$at"
+    tabled shaders tests/bench/README.md "$at"
 }
 part_peers() {
     needs UBO_IMPALLA64.zip || return 0

@@ -5,14 +5,13 @@ marks.py:
     tables.py codecs RUN...       of btf-bench --only codecs --preset medium, a folder a data set
     tables.py results RUN...      the same in short, for README.md
     tables.py presets FOLDER      of reports of btf-encode, DATA-EFFECTS-PRESET.json
-    tables.py shaders RUN         of btf-bench --only shaders
+    tables.py shaders RUN         of btf-bench --only shaders --materials bricks
     tables.py stochastic RUN...   of btf-bench --only stochastic; times are shown of data of 64 x 64 texels
     tables.py peers FILE, tables.py first FILE    of peers.sh peers, of peers.sh v1
 
 SPDX-License-Identifier: MIT
 """
 import csv
-import glob
 import json
 import os
 import re
@@ -75,8 +74,10 @@ def equal_bytes(runs, short):
     hidden = (3, 4) if short else ()
     rows = []
     for name, label in DATA:
-        run, = [run for run in runs if os.path.exists(f'{run}/codecs-{name}.csv')]
-        of = rows_of(f'{run}/codecs-{name}.csv')
+        found = [path for path in (f'{run}/codecs-{name}.csv' for run in runs) if os.path.exists(path)]
+        if not found:
+            sys.exit(f'tables.py: no run has codecs-{name}.csv')
+        of = rows_of(found[0])
         ours = {row['codec']: row for row in of if row['kind'] == 'ours'}
         joint, paper = ours['joint, medium'], ours['paper: full']
         rows.append([label, f'**{pair(joint["linear_db"], joint["srgb_db"])}**', pair(*best(of, 'PCA 8 bit')),
@@ -115,7 +116,7 @@ def presets(folder):
 
 
 def shaders(run):
-    path, = glob.glob(f'{run}/shaders-*.csv')
+    path = f'{run}/shaders-bricks.csv'
     by = {(row['shader'], int(row['components'])): row for row in rows_of(path)}
     rows = [[label] + [f'{float(by[name, k][key]):.0f}' if float(by[name, k][key]) > 0 else ''
                        for key in ('ns', 'floor_ns', 'fast_ns')] for name, k, label in SHADERS]
