@@ -17,16 +17,15 @@
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 marks=$root/tests/bench/marks.py page=$root/tests/bench/README.md
+export PYTHONPATH=$root/tests/bench PYTHONDONTWRITEBYTECODE=1 # for tables.py
 if [ "${1:-}" = --plan ]; then
     python3 - "${2:?expected a folder after --plan}" <<'EOF' | "$marks" "$page" plan
 import glob, os, re, sys
+from tables import field, summary_of
 out = sys.argv[1]
-with open(f"{out}/summary.md") as file:
-    summary = file.read()
-def field(key):
-    return re.search(r"\| " + key + r" \| (.*) \|", summary).group(1)
+summary = summary_of(out)
 text = f"""<!-- plan: written by tests/bench/readme.sh --plan -->
-Machine: {field("processor")}; load {field("load before the run")} before the run.
+Machine: {field(summary, "processor")}; load {field(summary, "load before the run")} before the run.
 """
 for path in sorted(glob.glob(f"{out}/readme-plan-*.md")):
     with open(path) as file:
@@ -42,10 +41,8 @@ fi
 if [ "${1:-}" = --growth ]; then
     python3 - "${2:?expected a folder after --growth}" <<'EOF' | "$marks" "$root/encoder/README.md" growth
 import re, sys
-with open(f"{sys.argv[1]}/summary.md") as file:
-    summary = file.read()
-def field(key):
-    return re.search(r"\| " + key + r" \| (.*) \|", summary).group(1)
+from tables import field, summary_of
+summary = summary_of(sys.argv[1])
 exponents = re.findall(r"^\| (joint \w+|paper) \| (texels|views and as many lights) \| ([\d.]+) \| ([\d.]+) \|$",
                        summary, re.M)
 by = {(method, over): f"{time} / {memory}" for method, over, time, memory in exponents}
@@ -58,7 +55,7 @@ label = {method: method.replace("joint ", "joint, `") + ("`" if method.startswit
 rows = "".join(f"| {label[m]} | {by[m, 'texels']} | {by[m, 'views and as many lights']} | {seconds[m, '16x16']:.1f}, "
                f"{seconds[m, '32x32']:.1f}, {seconds[m, '64x64']:.1f} |\n" for m in methods)
 print(f"""<!-- growth: written by tests/bench/readme.sh --growth -->
-`btf-sample` bricks; {field("processor")}; load {field("load before the run")} before the run; one encode each.
+`btf-sample` bricks; {field(summary, "processor")}; load {field(summary, "load before the run")} before the run; one encode each.
 
 | fitted exponents, time / memory | over texels | over views and as many lights | core s of 16x16, 32x32, 64x64 texels |
 | --- | --- | --- | --- |
@@ -124,21 +121,20 @@ for plot in encode decode; do
 done
 python3 - "$out" "$name" <<'EOF' | "$marks" "$page" bench
 import re, sys
+from tables import field, summary_of
 out, name = sys.argv[1:]
 def read(path):
     with open(path) as file:
         return file.read()
 def part(kind):
     return read(f"{out}/{kind}-{name}.md").strip()
-summary = read(f"{out}/summary.md")
-def field(key):
-    return re.search(r"\| " + key + r" \| (.*) \|", summary).group(1)
+summary = summary_of(out)
 data = re.search(r"data: (.*)\.\n", summary[summary.index("## encode"):]).group(1)
 truth = re.search(r"Truth between the samples of .*: (.*)\.\n", summary)
 held = re.search(r"Left out of encoding: (.*)\.\n", summary)
 text = f"""<!-- bench: written by tests/bench/readme.sh -->
-Data: {data}. Machine: {field("processor")}; {field("threads")} threads; load {field("load before the run")} before
-the run. Repeats: {field("repeats")}. PSNR in dB, linear / sRGB-coded{"; between: " + truth.group(1) if truth else ""}{
+Data: {data}. Machine: {field(summary, "processor")}; {field(summary, "threads")} threads; load {field(summary, "load before the run")} before
+the run. Repeats: {field(summary, "repeats")}. PSNR in dB, linear / sRGB-coded{"; between: " + truth.group(1) if truth else ""}{
 "; held out: " + held.group(1) if held else ""}.
 
 ![Encoding: time against accuracy](../data/readme/encode.png)

@@ -9,12 +9,13 @@
 # while the sources stand at that commit: after a stop, the same command goes on. btf-bench goes on within a part, and
 # encodes that ended are kept. tests/data/readme/made.txt says of each name which commit it was made from.
 #
-# Parts that time (bench, growth, plan, stochastic, pathtrace; viewer shows a time) want an idle machine. bench, storage,
-# growth and relief take up to 10 core minutes each, plan longer, bake more than an hour, the others a few minutes.
+# Parts that time (bench, growth, plan, codecs, presets, shaders, stochastic, pathtrace; viewer shows a time) want an idle
+# machine. bench, storage, growth, relief, codecs and presets take up to some 10 core minutes each, plan longer, peers and
+# first are slow, bake takes more than an hour, the others take a few minutes. first needs BTF_V1_ENCODE, the btf-encode of
+# version 1 (commit 90311cd), and is passed over without.
 # Samples of others are looked for in $BTF_SHARED/data (default ../shared/data), and what needs them is left as it is
-# where they are not there. Numbers in running text, tables without marks (peers and presets of README.md and
-# tests/bench/README.md, encoder/nodes/FIT.md, the others of encoder/relief/RELIEF.md, FORMAT.md section 12) are not written by any
-# part: they say which build they come from.
+# where they are not there. Experiments (encoder/nodes/FIT.md, tables without marks of encoder/relief/RELIEF.md, FORMAT.md
+# section 12) are not written by any part: they say which build they come from.
 #
 # SPDX-License-Identifier: MIT
 set -euo pipefail
@@ -39,7 +40,12 @@ bench    tests/bench/README.md#bench encode.png decode.png
 storage  tests/bench/README.md#between storage.png
 growth   encoder/README.md#growth growth-texels.png growth-directions.png
 plan     tests/bench/README.md#plan
-stochastic stochastic.png
+codecs   README.md#results tests/bench/README.md#codecs
+presets  tests/bench/README.md#presets
+shaders  tests/bench/README.md#shaders
+peers    tests/bench/README.md#peers
+first    tests/bench/README.md#first
+stochastic tests/bench/README.md#stochastic stochastic.png
 pathtrace pathtrace.png
 bake     encoder/bake/SCENES.md#scenes bake-knit.png bake-gravel.png bake-scales.png bake-knit-sphere.png bake-gravel-sphere.png bake-scales-sphere.png'
 
@@ -262,11 +268,75 @@ part_plan() {
         --input "$shared/UBO_IMPALLA64.zip" --out "$work/plan-$(commit)" --keep "$kept"
     "$root/tests/bench/readme.sh" --plan "$work/plan-$(commit)"
 }
-part_stochastic() {
+tabled() { # NAME PAGE ARGUMENT...: the table NAME of tables.py, between its marks of a page
+    local name=$1 page=$2
+    shift 2
+    "$root/tests/bench/tables.py" "$name" "$@" | "$root/tests/bench/marks.py" "$root/$page" "$name"
+}
+part_codecs() {
+    needs BRICKS64.zip UBO_IMPALLA64.zip || return 0
+    local at=$work/codecs-$(commit) kind
+    mkdir -p "$at"
+    for kind in BRICKS64 UBO_IMPALLA64 bricks bumps; do
+        case $kind in
+        b*) set -- --materials $kind --size 64x64 ;;
+        *) set -- --input "$shared/$kind.zip" ;;
+        esac
+        [ -s "$at/$kind/codecs-$kind.csv" ] || btf-bench --only codecs --preset medium "$@" --out "$at/$kind"
+    done
+    tabled results README.md "$at"/*
+    tabled codecs tests/bench/README.md "$at"/*
+}
+part_presets() {
+    needs BRICKS64.zip UBO_IMPALLA64.zip || return 0
+    local at=$work/presets-$(commit) kind effects preset data
+    mkdir -p "$at"
+    for kind in BRICKS64-all BRICKS64-residual UBO_IMPALLA64-all bricks-residual; do
+        effects=${kind#*-} data=$shared/${kind%-*}.zip
+        [ $kind != bricks-residual ] || data=$(sample bricks 64)
+        for preset in fast medium thorough exhaustive; do
+            set -- --preset $preset --budget 2.36MB --effect-tolerance 0 --fit samples --relief off --gloss off
+            [ $effects = all ] || set -- "$@" --effects $effects
+            encoded "preset-$kind-$preset" "$data" "$@" >/dev/null
+            cp "$work/preset-$kind-$preset-$(commit).json" "$at/$kind-$preset.json"
+        done
+    done
+    tabled presets tests/bench/README.md "$at"
+}
+part_shaders() {
+    local at
+    at=$work/shaders-$(commit)
+    btf-bench --only shaders --materials bricks --size 4x4 --out "$at"
+    tabled shaders tests/bench/README.md "$at"
+}
+part_peers() {
+    needs UBO_IMPALLA64.zip || return 0
+    "$root/tests/bench/peers.sh" "$build" --work "$work/peers" peers UBO_IMPALLA64 {flat,white,axes}-32 \
+        {bumps,weave}-seed-32 {bumps,flat}-noise-32 {bricks,bumps}-dark-32 {weave,flat}-bright-32 bumps-24x40 bricks-96x10 \
+        bricks-151x12 bumps-12x151 >"$work/peers.md"
+    tabled peers tests/bench/README.md "$work/peers.md"
+}
+part_first() {
+    if [ -z "${BTF_V1_ENCODE:-}" ]; then
+        echo "first: left as it is: BTF_V1_ENCODE names no btf-encode of version 1"
+        passed_over=1
+        return 0
+    fi
     needs BRICKS64.zip || return 0
-    btf-bench --only stochastic --preset fast --input "$shared/BRICKS64.zip" --device osmesa \
-        --out "$work/stochastic-$(commit)" --keep "$work/plan-kept-$(commit)"
-    cp "$work/stochastic-$(commit)"/stochastic-BRICKS64.png "$pictures/stochastic.png"
+    "$root/tests/bench/peers.sh" "$build" --work "$work/peers" v1 "$BTF_V1_ENCODE" BRICKS64 \
+        {bricks,bumps,weave,flat,white,axes}-32 >"$work/first.md"
+    tabled first tests/bench/README.md "$work/first.md"
+}
+part_stochastic() {
+    needs BRICKS64.zip BRICKS64_between.zip UBO_IMPALLA64.zip || return 0
+    local at=$work/stochastic-$(commit)
+    mkdir -p "$at"
+    btf-bench --only stochastic --preset fast --input "$shared/BRICKS64.zip" --pairs "$shared/BRICKS64_between.zip" \
+        --device osmesa --out "$at/BRICKS64" --keep "$at"
+    btf-bench --only stochastic --preset medium --input "$shared/UBO_IMPALLA64.zip" --device osmesa --out "$at/IMPALLA" --keep "$at"
+    btf-bench --only stochastic --preset fast --quick --materials bumps,bricks --size 32x32 --device osmesa --out "$at/small"
+    cp "$at/BRICKS64/stochastic-BRICKS64.png" "$pictures/stochastic.png"
+    tabled stochastic tests/bench/README.md "$at"/{BRICKS64,IMPALLA,small}
 }
 part_pathtrace() {
     needs BRICKS64.zip || return 0
@@ -295,7 +365,9 @@ targets_of() { # a part: its programs
     between) echo encoder/btf-{encode,compare} decoder/tools/btf-info tests/sample/btf-sample ;;
     plan) echo encoder/btf-encode tests/bench/btf-bench ;;
     bake) echo encoder/btf-encode decoder/tools/render/btf-render ;;
-    bench | storage | growth | stochastic) echo tests/bench/btf-bench ;;
+    peers | first) ;; # peers.sh builds what it needs
+    presets) echo encoder/btf-encode tests/sample/btf-sample ;;
+    bench | storage | growth | codecs | shaders | stochastic) echo tests/bench/btf-bench ;;
     *) echo encoder/btf-encode decoder/tools/{btf-decode,render/btf-render} tests/sample/btf-sample ;;
     esac
 }
