@@ -179,16 +179,14 @@ static expected expect(const summed *s, const btf_ref_material *m, float *const 
     return out;
 }
 
-/* A view halfway between two neighbours that come up in turn, in the plane of the triangulation. */
+/* A view halfway between two neighbours that come up in turn, in the plane of the triangulation; there are two at least. */
 static void halfway(const btf_directions *list, int i, float out[3]) {
-    const uint16_t *side =
-        list->triangle_count > 0 ? list->triangles + i % (int)(3 * list->triangle_count) : list->hull;
-    const uint32_t next = list->triangle_count > 0 && (side - list->triangles) % 3 == 2 ? side[-2]
-                          : list->triangle_count > 0 || list->hull_count > 1            ? side[1]
-                                                                                        : side[0];
+    const uint16_t *of = list->triangle_count > 0 ? list->triangles : list->hull;
+    const int side = list->triangle_count > 0 ? i % (int)(3 * list->triangle_count) : 0,
+              next = side % 3 == 2 ? side - 2 : side + 1;
     double p[2], square = 0;
     for (int k = 0; k < 2; ++k) {
-        p[k] = (list->vertices[2 * side[0] + k] + list->vertices[2 * next + k]) / 2.0 / 8192 - 1;
+        p[k] = (list->vertices[2 * of[side] + k] + list->vertices[2 * of[next] + k]) / 2.0 / 8192 - 1;
         square += p[k] * p[k];
     }
     out[0] = (float)(2 * p[0] / (1 + square));
@@ -228,7 +226,7 @@ static distances measure(const summed *s, int where) {
         case_direction(&r, &list, view);
         if (where == SAMPLES) {
             memcpy(view, list.xyz + 3 * (size_t)(i % (int)list.count), sizeof view);
-        } else if (where == HALFWAY) {
+        } else if (where == HALFWAY && list.count > 1) {
             halfway(&list, i, view);
         }
         if (!is_unit(view)) {
