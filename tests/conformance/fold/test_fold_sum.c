@@ -260,9 +260,11 @@ static distances measure(const summed *s, int where) {
 
 static const double bound = (LIGHTS + 12) * 0x1p-24; /* openbtf/fold.h */
 
+enum { ONE_VIEW = 3, TWO_VIEWS, RADIANCE, SPECS };
+
 static const synthetic_spec *specs(int i) {
-    static synthetic_spec all[5];
-    for (int k = 0; k < 5; ++k) {
+    static synthetic_spec all[SPECS];
+    for (int k = 0; k < SPECS; ++k) {
         all[k] = folds_of_roots;
         all[k].effects = BTF_EFFECT_RESIDUAL;
         all[k].seed = 50 + (uint64_t)k;
@@ -270,13 +272,14 @@ static const synthetic_spec *specs(int i) {
     all[1].n_views = 81;
     all[1].directions = SYNTHETIC_RINGS;
     all[2].directions = SYNTHETIC_COLLINEAR;
-    all[3].n_views = 1;
-    all[4].blend = BTF_BLEND_RADIANCE;
+    all[ONE_VIEW].n_views = 1;
+    all[TWO_VIEWS].n_views = 2; /* without a triangle */
+    all[RADIANCE].blend = BTF_BLEND_RADIANCE;
     return &all[i];
 }
 
 TEST(texels_are_sums_of_the_reference_s_values) {
-    for (int i = 0; i < 5; ++i) {
+    for (int i = 0; i < SPECS; ++i) {
         summed s;
         sum_up(specs(i), &s);
         assert_int_equal(btf_fold_layers(&s.info, BTF_FOLD_SUM, 1), layers_of(&s));
@@ -287,7 +290,7 @@ TEST(texels_are_sums_of_the_reference_s_values) {
 
 /* Whatever two views a look-up gives together, one of them names the other, once. */
 TEST(neighbouring_views_are_partners_once) {
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < RADIANCE; ++i) {
         summed s;
         btf_ref_material m;
         random_state r = {5};
@@ -322,13 +325,13 @@ TEST(neighbouring_views_are_partners_once) {
             }
         }
         print_message("%u views: %zu pairs met\n", (unsigned)s.info.n_views, met);
-        assert_true(i == 3 ? met == 0 : met > 5000);
+        assert_true(i == ONE_VIEW ? met == 0 : met > 1000);
         clear(&s);
     }
 }
 
 TEST(pixels_are_the_sum_over_lights) {
-    for (int i = 0; i < 5; ++i) {
+    for (int i = 0; i < SPECS; ++i) {
         summed s;
         sum_up(specs(i), &s);
         const distances any = measure(&s, ANYWHERE), at = measure(&s, SAMPLES), half = measure(&s, HALFWAY);
@@ -342,7 +345,8 @@ TEST(pixels_are_the_sum_over_lights) {
         if (s.info.blend != BTF_BLEND_ROOTS || s.info.n_views == 1) {
             assert_true(any.decoder < bound);
         }
-        assert_true(i == 3 || (any.pairs > 1000 && half.halves > 300));
+        assert_true(i == ONE_VIEW || any.pairs > 300);
+        assert_true(i == ONE_VIEW || i == TWO_VIEWS || half.halves > 300);
         clear(&s);
     }
 }
