@@ -58,6 +58,7 @@ typedef struct folding {
     uint32_t *texels[LIGHTS];    /* of BTF_FOLD_SUM, by the library on the CPU: all levels */
     btf_ref_material levels[BTF_MAX_LEVELS];
     btf_ref_options options;
+    bool view_is_fixed;
 } folding;
 
 /* The reference's sum of lights, of each level. */
@@ -93,8 +94,11 @@ static btf_result choose_folding(random_state *r, const check_subject *s, const 
     }
     const float *view = of->directions[0][1];
     const float length = view[0] * view[0] + view[1] * view[1] + view[2] * view[2];
-    if (shader->fold == BTF_FOLD_NEIGHBOURS && seed & 1 && fabsf(length - 1) < 1e-5f && view[2] > 0.01f) {
+    const bool fixed =
+        shader->fold == BTF_FOLD_SUM ? !(seed & 1) : shader->fold == BTF_FOLD_NEIGHBOURS && seed & 1;
+    if (fixed && fabsf(length - 1) < 1e-5f && view[2] > 0.01f) {
         shader->fixed |= BTF_FIXED_VIEW; /* of both lights */
+        of->view_is_fixed = true;
         memcpy(shader->fixed_view, view, sizeof shader->fixed_view);
         memcpy(of->directions[1][1], view, sizeof shader->fixed_view);
     }
@@ -149,7 +153,7 @@ static void choose_case(random_state *r, check_session *session, const folding *
     f[0] = case_coordinate(r, level->width);
     f[1] = case_coordinate(r, level->height);
     memcpy(f + 2, of->directions[i & 1][0], sizeof of->directions[0][0]);
-    if (kind != BTF_FOLD_LIGHT && kind != BTF_FOLD_SUM) {
+    if ((kind != BTF_FOLD_LIGHT && kind != BTF_FOLD_SUM) || of->view_is_fixed) {
         memcpy(f + 5, of->directions[i & 1][1], sizeof of->directions[0][1]);
     } else {
         case_direction(r, &views, f + 5);
