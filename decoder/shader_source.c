@@ -351,7 +351,7 @@ btf_result btf_shader_source(const btf_material *material, const btf_shader_opti
     if ((unsigned)all.interpolation > BTF_INTERPOLATION_NEAREST ||
         (unsigned)all.filter > BTF_FILTER_STEEP || (unsigned)all.math > BTF_MATH_FAST ||
         (unsigned)all.bindings > BTF_BINDINGS_VULKAN || (unsigned)all.picks > BTF_PICK_ALL ||
-        (unsigned)all.fold > BTF_FOLD_NEIGHBOURS || (unsigned)all.language > BTF_LANGUAGE_WGSL) {
+        (unsigned)all.fold > BTF_FOLD_SUM || (unsigned)all.language > BTF_LANGUAGE_WGSL) {
         char message[160];
         snprintf(
             message, sizeof message,

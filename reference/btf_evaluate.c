@@ -138,6 +138,47 @@ static void blend_views(const evaluation *e, const uint32_t weights[3], float va
     }
 }
 
+/** The sum, over lights, of the products of the roots that views i and j show: of one view its own layer; of two a layer
+ * behind that of the one which names the other in its fourth channel. */
+static const float *kept_products(const evaluation *e, uint32_t column, uint32_t row, uint32_t i,
+                                  uint32_t j) {
+    const btf_ref_material *m = e->shared.material;
+    size_t layer = (size_t)4 * m->width * m->height;
+    const float *texel = e->shared.folded->values + 4 * ((size_t)row * m->width + column);
+    uint32_t views[2] = {i, j};
+    for (int turn = 0; turn < 2 && i != j; ++turn) {
+        const float *own = texel + 4 * layer * views[turn];
+        for (uint32_t partner = 0; partner < 3; ++partner) {
+            if ((btf_ref_bits(own[3]) >> (10 * partner) & 1023u) == views[1 - turn]) {
+                return own + layer * (1 + partner);
+            }
+        }
+    }
+    return texel + 4 * layer * i;
+}
+
+/** The square of the blended roots, multiplied out and added up over lights; first squares, then products. */
+static void blend_products(const evaluation *e, uint32_t column, uint32_t row, float out_rgb[3]) {
+    static const int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+    const uint32_t *weight = e->views.weight;
+    out_rgb[0] = out_rgb[1] = out_rgb[2] = 0.0f;
+    for (int k = 0; k < 6; ++k) {
+        int a = pairs[k][0], b = pairs[k][1];
+        if (weight[a] == 0 || weight[b] == 0) {
+            continue;
+        }
+        const float *kept = kept_products(e, column, row, e->views.index[a], e->views.index[b]);
+        float share = (float)((a == b ? 1 : 2) * weight[a] * weight[b]) * 0x1p-24f;
+        for (int c = 0; c < CHANNELS; ++c) {
+            float term = kept[c] * share;
+            out_rgb[c] = out_rgb[c] + term;
+        }
+    }
+    for (int c = 0; c < CHANNELS; ++c) {
+        out_rgb[c] = (out_rgb[c] > 0.0f ? out_rgb[c] : 0.0f) * e->shared.material->radiance_scale;
+    }
+}
+
 /** Section 9, one texel, without relief. */
 static void texel_radiance(const evaluation *e, uint32_t column, uint32_t row, float out_rgb[3]) {
     const btf_ref_folded *folded = e->shared.folded;
@@ -146,6 +187,10 @@ static void texel_radiance(const evaluation *e, uint32_t column, uint32_t row, f
         for (int c = 0; c < CHANNELS; ++c) {
             out_rgb[c] = kept[c];
         }
+        return;
+    }
+    if (folded && folded->fold == BTF_REF_FOLD_SUM && e->shared.material->blend == BTF_REF_BLEND_ROOTS) {
+        blend_products(e, column, row, out_rgb);
         return;
     }
     float values[3][CHANNELS];
@@ -304,6 +349,9 @@ int btf_ref_can_fold(const btf_ref_material *material, const btf_ref_options *op
     uint32_t effects = material->effects & options->effects;
     if (fold == BTF_REF_FOLD_LIGHT) {
         return material->colour == BTF_REF_NONE && !(effects & BTF_REF_GLOSS);
+    }
+    if (fold == BTF_REF_FOLD_SUM) {
+        return material->colour == BTF_REF_NONE && !(effects & (BTF_REF_GLOSS | BTF_REF_RELIEF));
     }
     if (fold == BTF_REF_FOLD_BOTH) {
         return !(effects & BTF_REF_RELIEF);

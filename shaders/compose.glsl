@@ -383,6 +383,10 @@ void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) 
     for (int i = 0; i < BTF_TEXELS; ++i)
         sum[i] = btf_folded_value(x[i], s.layer, s.level);
 #else
+#if BTF_FOLDED == 4 && BTF_BLEND_ROOTS
+    for (int i = 0; i < BTF_TEXELS; ++i)
+        sum[i] = btf_mul(btf_folded_sum(x[i], s.views, s.n_views, s.layer, s.level), BTF_RADIANCE_SCALE);
+#else
 #if BTF_FACTORS && !BTF_FACTORS_BY_VIEW
     vec3 all[BTF_FACTOR_SUMS];
 #if BTF_GLOSS
@@ -415,6 +419,7 @@ void btf_texels(inout vec3 sum[BTF_TEXELS], uvec2 x[BTF_TEXELS], btf_setting s) 
 #endif
         sum[i] = btf_mul(sum[i], BTF_RADIANCE_SCALE);
     }
+#endif
 #endif
 }
 

@@ -8,8 +8,9 @@
  */
 #if BTF_FOLDED
 
-/* Radiance of btf_evaluate_level, lit by the light of that number among those that were folded, in layers
- * light * BTF_N_VIEWS onwards (where the view is folded too, light, or light * 3 onwards). */
+/* Radiance of btf_evaluate_level, lit by the light, or the sum of lights, of that number among those that were folded, in
+ * layers light * BTF_N_VIEWS onwards (where the view is folded too, light, or light * 3 onwards; of a sum of products
+ * light * 4 * BTF_N_VIEWS onwards). */
 vec3 btf_evaluate_folded(vec2 uv, vec3 v, int light, int level) {
     if (!btf_is_above(v))
         return vec3(0.0);
@@ -22,6 +23,13 @@ vec3 btf_evaluate_folded(vec2 uv, vec3 v, int light, int level) {
 #endif
 #if BTF_FOLDED == 3
     s.layer = light * 3;
+#endif
+#if BTF_FOLDED == 4
+#if BTF_BLEND_ROOTS
+    s.layer = light * 4 * int(BTF_N_VIEWS);
+#else
+    s.layer = light * int(BTF_N_VIEWS);
+#endif
 #endif
     return btf_evaluate_setting(uv, v, s);
 }
@@ -86,10 +94,27 @@ vec3 btf_fold_both(uvec2 x, vec3 l, vec3 v, int level) {
     return sum[0];
 }
 
-/* The sum of radiance under several lights, with one more. */
+/* The sum of radiance under several lights, or of what one view shows, or of products of two, with one more. */
 vec3 btf_fold_add(vec3 sum, vec3 radiance, vec3 weight) {
     return btf_add(sum, btf_mul(radiance, weight));
 }
+
+#if BTF_BLEND_ROOTS
+/* A root, or 0 where the decoder takes nothing of it. */
+float btf_fold_root(float y) {
+    return abs(y) >= uintBitsToFloat(BTF_BITS_2_TO_MINUS_30) ? y : 0.0;
+}
+
+/* What stands for the product of the roots that two views show under one light, or for the square of one: in place of
+ * roots below 0, what makes the square of their mean that of btf_radiance, which clamps it. */
+vec3 btf_fold_product(vec3 a, vec3 b) {
+    a = vec3(btf_fold_root(a.x), btf_fold_root(a.y), btf_fold_root(a.z));
+    b = vec3(btf_fold_root(b.x), btf_fold_root(b.y), btf_fold_root(b.z));
+    vec3 high = max(max(a, b), vec3(0.0));
+    vec3 low = max(min(a, b), -high);
+    return btf_mul(low, btf_add(high, btf_mul(min(low, vec3(0.0)), 0.5)));
+}
+#endif
 
 #endif
 #endif

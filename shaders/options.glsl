@@ -45,9 +45,11 @@
  *     BTF_FOLDED         1: the light never changes, and texture `folded` holds what its texels show in each sampled
  *                        view, as btf_fold_light gives it; 2: nor does the view, and it holds their radiance, as
  *                        btf_fold_both gives it; 3: likewise nor does the view, and it holds what its texels show in
- *                        the three views around it, as btf_fold_neighbour gives it. Then the macros above stand for a
- *                        file without any effect but relief (with 2: without), of colour none and no components;
- *                        neither a fixed light nor, with 2, a fixed view is given; with 1 BTF_N_VIEWS (uint) is the
+ *                        the three views around it, as btf_fold_neighbour gives it; 4: several lights never change, and
+ *                        it holds the sum over lights of what texels show in each sampled view, with BTF_BLEND_ROOTS of
+ *                        products of what they show in two. Then the macros above stand for a
+ *                        file without any effect but relief (with 2 and 4: without), of colour none and no components;
+ *                        neither a fixed light nor, with 2, a fixed view is given; with 1 and 4 BTF_N_VIEWS (uint) is the
  *                        number of views; and with 3 and a fixed view BTF_FIXED_VIEW_LAYER is a uvec3 of the places, 0
  *                        to 2, that its neighbours have where btf_fold_neighbour looks them up. Not with
  *                        BTF_STOCHASTIC. Default 0

@@ -186,7 +186,8 @@ static void add_between(btf_decode_counts *n, const btf_material_info *info, con
     }
 }
 
-/* A texel of 16 bytes is kept for each view, or for all together. */
+/* A texel of 16 bytes is kept for each view, or for all together; of sums of products one for every two views as well,
+ * which takes 12 operations to find and 8 to add. */
 static btf_decode_counts count_folded(const btf_material_info *info, const btf_shader_options *o,
                                       const way *all) {
     const btf_material_info shown = btfi_folded_info(info, o->fold);
@@ -197,6 +198,12 @@ static btf_decode_counts count_folded(const btf_material_info *info, const btf_s
     btf_decode_counts n = {
         .pixels = 1, .look_ups = both || w.fixed_view ? 0 : 1, .points = (double)w.views * w.texels};
     fetch(&n, n.points, 16);
+    if (o->fold == BTF_FOLD_SUM && info->blend == BTF_BLEND_ROOTS) {
+        const double pairs = w.views * (w.views - 1) / 2.0 * w.texels;
+        fetch(&n, pairs, 16);
+        n.integers += 12 * pairs;
+        n.floats += 8 * pairs;
+    }
     add_between(&n, &shown, &w, w.views);
     return n;
 }

@@ -5,6 +5,7 @@
 #include "prepared.h"
 
 #include "arrange.h"
+#include "decoder/fold/partners.h"
 #include "decoder/result.h"
 #include "kernels.h"
 #include "sound.h"
@@ -54,6 +55,16 @@ static void find_level(const btf_material *material, uint32_t level, btf_evaluat
     };
 }
 
+/* Partners of views, for sums of lights; views that are too many for them have none. */
+static btf_result find_partners(const btf_material *material, btf_evaluator *e) {
+    const btf_directions views = btf_material_views(material);
+    if (e->info.blend != BTF_BLEND_ROOTS || e->info.colour != BTF_COLOUR_NONE) {
+        return BTF_OK;
+    }
+    const btf_result result = btfi_fold_partners(&views, &e->partners);
+    return result == BTF_ERROR_MEMORY ? result : BTF_OK;
+}
+
 static btf_result fill(const btf_material *material, btf_evaluator *e) {
     const bool residual = e->info.effects & BTF_EFFECT_RESIDUAL;
     e->factors_stored = residual && e->info.store == BTF_STORE_FACTORS;
@@ -69,6 +80,9 @@ static btf_result fill(const btf_material *material, btf_evaluator *e) {
     e->kernels = btfi_kernels_of(BTFI_ISA_AVX2);
     for (uint32_t i = 0; i < e->info.levels; i++) {
         find_level(material, i, e);
+    }
+    if (find_partners(material, e)) {
+        return BTF_ERROR_MEMORY;
     }
     const btf_result result = find_centres(material, e);
     return result ? result : btfi_arrange_residual(material, e);
@@ -117,6 +131,7 @@ void btf_evaluator_destroy(btf_evaluator **evaluator) {
     free(e->w);
     free(e->v);
     free(e->scales);
+    free(e->partners);
     free(e);
     *evaluator = NULL;
 }

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "decoder/evaluate/source.h"
+#include "cpu_fold.h"
 #include "decoder/result.h"
 #include <openbtf/fold.h>
 
@@ -61,9 +61,25 @@ static btf_result fold_radiance(const piece *p, const float light[3], const floa
     return result;
 }
 
-/* Stores the values that the row's texels show in the first view of a situation, before views are blended. */
-static void fold_values(const piece *p, const btfi_way *way, const btfi_situation *situation) {
-    const btfi_level *level = &p->evaluator->levels[p->level];
+btfi_way btfi_fold_way(const btf_evaluator *evaluator, const btf_shader_options *options) {
+    const btf_shader_options pass = btf_fold_pass(options);
+    const btf_material_info *info = &evaluator->info;
+    return (btfi_way){.effects = info->effects & ~pass.leave_out,
+                      .components = pass.components && pass.components < info->components
+                                        ? pass.components
+                                        : info->components,
+                      .linear = pass.interpolation == BTF_INTERPOLATION_LINEAR,
+                      .filter = BTF_FILTER_TEXEL};
+}
+
+void btfi_fold_one_view(btfi_situation *s, int place, uint32_t view) {
+    s->lights[0] = s->lights[place];
+    s->views = (btfi_neighbours){1, {view, view, view}, {4096, 0, 0}, {0}};
+}
+
+void btfi_fold_values(const btf_evaluator *evaluator, const btfi_way *way, const btfi_situation *situation,
+                      uint32_t level_index, uint32_t row, uint32_t *out) {
+    const btfi_level *level = &evaluator->levels[level_index];
     for (uint32_t first = 0; first < level->width; first += BTFI_MOST_POINTS) {
         btfi_points texels = {0};
         btfi_sources sources[3];
@@ -71,13 +87,13 @@ static void fold_values(const piece *p, const btfi_way *way, const btfi_situatio
         for (; texels.count < BTFI_MOST_POINTS && first + (uint32_t)texels.count < level->width;
              texels.count++) {
             texels.column[texels.count] = first + (uint32_t)texels.count;
-            texels.row[texels.count] = p->row;
+            texels.row[texels.count] = row;
         }
         const btfi_points *const points[3] = {&texels, &texels, &texels};
-        btfi_find_sources(p->evaluator, level, way, situation, points, sources);
-        btfi_view_values(p->evaluator, level, way, situation, sources, values);
+        btfi_find_sources(evaluator, level, way, situation, points, sources);
+        btfi_view_values(evaluator, level, way, situation, sources, values);
         for (int i = 0; i < texels.count; i++) {
-            keep(values[0][i], p->out + 4 * (size_t)(first + (uint32_t)i));
+            keep(values[0][i], out + 4 * (size_t)(first + (uint32_t)i));
         }
     }
 }
@@ -95,8 +111,7 @@ static bool choose_view(btf_fold fold, uint32_t layer, btfi_situation *s) {
         }
         view = s->views.index[a];
     }
-    s->lights[0] = s->lights[a];
-    s->views = (btfi_neighbours){1, {view, view, view}, {4096, 0, 0}, {0}};
+    btfi_fold_one_view(s, a, view);
     return true;
 }
 
@@ -109,7 +124,7 @@ btf_result btf_fold_rows(const btf_evaluator *evaluator, const btf_shader_option
     }
     const btf_material_info *info = &evaluator->info;
     const btf_fold fold = options->fold;
-    if (fold == BTF_FOLD_NONE || level >= info->levels ||
+    if (fold == BTF_FOLD_NONE || fold == BTF_FOLD_SUM || level >= info->levels ||
         (unsigned)options->interpolation > BTF_INTERPOLATION_NEAREST) {
         return BTF_ERROR_USAGE;
     }
@@ -122,12 +137,7 @@ btf_result btf_fold_rows(const btf_evaluator *evaluator, const btf_shader_option
         return BTF_ERROR_USAGE;
     }
     const btf_shader_options pass = btf_fold_pass(options);
-    const btfi_way way = {.effects = info->effects & ~pass.leave_out,
-                          .components = pass.components && pass.components < info->components
-                                            ? pass.components
-                                            : info->components,
-                          .linear = pass.interpolation == BTF_INTERPOLATION_LINEAR,
-                          .filter = BTF_FILTER_TEXEL};
+    const btfi_way way = btfi_fold_way(evaluator, options);
     piece p = {evaluator, &pass, level, first_row, out_texels};
     btfi_situation situation;
     btf_result result = BTF_OK;
@@ -140,7 +150,7 @@ btf_result btf_fold_rows(const btf_evaluator *evaluator, const btf_shader_option
         if (!values) {
             result = fold_radiance(&p, light, view);
         } else if (seen) {
-            fold_values(&p, &way, &situation);
+            btfi_fold_values(evaluator, &way, &situation, level, p.row, p.out);
         } else {
             clear_row(&p);
         }
@@ -170,10 +180,10 @@ btf_result btf_material_fold(const btf_material *material, const btf_shader_opti
         return BTF_ERROR_USAGE;
     }
     *out_texels = NULL;
-    if (!material || !options || options->fold == BTF_FOLD_NONE || lights < 1 || !light ||
-        (options->fold != BTF_FOLD_LIGHT && !view)) {
+    if (!material || !options || options->fold == BTF_FOLD_NONE || options->fold == BTF_FOLD_SUM ||
+        lights < 1 || !light || (options->fold != BTF_FOLD_LIGHT && !view)) {
         return btfi_fail(log, BTF_ERROR_USAGE,
-                         "fold: a material, options, their fold, a light or a view is missing");
+                         "fold: a material, options, their fold (1 to 3), a light or a view is missing");
     }
     btf_material_get_info(material, &info);
     btf_result result = btf_fold_check(&info, options, log);

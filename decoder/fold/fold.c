@@ -5,7 +5,9 @@
 #include "fold.h"
 #include "decoder/restrict.h"
 #include "decoder/result.h"
+#include "partners.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 static btf_shader_options read_options(const btf_shader_options *options) {
@@ -23,7 +25,7 @@ btf_material_info btfi_folded_info(const btf_material_info *info, btf_fold fold)
         return shown;
     }
     shown.layout = BTF_LAYOUT_TIGHT;
-    shown.effects &= fold == BTF_FOLD_BOTH ? 0u : (uint32_t)BTF_EFFECT_RELIEF;
+    shown.effects &= fold == BTF_FOLD_BOTH || fold == BTF_FOLD_SUM ? 0u : (uint32_t)BTF_EFFECT_RELIEF;
     shown.colour = BTF_COLOUR_NONE;
     shown.lobes = shown.components = 0;
     shown.store = BTF_STORE_COMPONENTS;
@@ -35,19 +37,20 @@ btf_result btf_fold_check(const btf_material_info *info, const btf_shader_option
                           const btf_log *log) {
     const btf_shader_options all = read_options(options);
     const uint32_t effects = info->effects & ~all.leave_out;
-    if ((unsigned)all.fold > BTF_FOLD_NEIGHBOURS) {
-        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: kind %d is unknown, expected 0 to 3",
+    const bool of_lights = all.fold == BTF_FOLD_LIGHT || all.fold == BTF_FOLD_SUM;
+    if ((unsigned)all.fold > BTF_FOLD_SUM) {
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: kind %d is unknown, expected 0 to 4",
                          (int)all.fold);
     }
     if (all.fold != BTF_FOLD_NONE && all.picks != BTF_PICK_NONE) {
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: a stochastic decode is not folded");
     }
-    if (all.fold == BTF_FOLD_LIGHT && info->colour != BTF_COLOUR_NONE) {
+    if (of_lights && info->colour != BTF_COLOUR_NONE) {
         return btfi_fail(
             log, BTF_ERROR_UNSUPPORTED,
             "fold: the material has an SBRDF, which depends on the viewer: a light alone is not folded");
     }
-    if (all.fold == BTF_FOLD_LIGHT && effects & BTF_EFFECT_GLOSS) {
+    if (of_lights && effects & BTF_EFFECT_GLOSS) {
         return btfi_fail(log, BTF_ERROR_UNSUPPORTED,
                          "fold: the material has gloss, by which look-ups of lights follow the viewer: a "
                          "light alone is not folded");
@@ -57,6 +60,17 @@ btf_result btf_fold_check(const btf_material_info *info, const btf_shader_option
                          "fold: with relief a pixel shows parts of texels: light and view are not folded "
                          "to radiance, but to "
                          "neighbouring views");
+    }
+    if (all.fold == BTF_FOLD_SUM && effects & BTF_EFFECT_RELIEF) {
+        return btfi_fail(
+            log, BTF_ERROR_UNSUPPORTED,
+            "fold: with relief neighbouring views show other texels: products of views are not "
+            "those of one texel, and a sum of lights is not folded");
+    }
+    if (all.fold == BTF_FOLD_SUM && info->blend == BTF_BLEND_ROOTS && info->n_views > BTFI_MOST_PARTNERED) {
+        return btfi_fail(log, BTF_ERROR_UNSUPPORTED,
+                         "fold: the material has %u views, the sum of lights is folded for at most %d",
+                         (unsigned)info->n_views, (int)BTFI_MOST_PARTNERED);
     }
     return BTF_OK;
 }
@@ -74,6 +88,13 @@ btf_fold btf_fold_best(const btf_material_info *info, const btf_shader_options *
     return BTF_FOLD_NONE;
 }
 
+btf_fold btf_fold_best_sum(const btf_material_info *info, const btf_shader_options *options,
+                           int view_is_still) {
+    btf_shader_options all = read_options(options);
+    all.fold = view_is_still ? BTF_FOLD_BOTH : BTF_FOLD_SUM;
+    return btf_fold_check(info, &all, NULL) == BTF_OK ? all.fold : BTF_FOLD_NONE;
+}
+
 btf_shader_options btf_fold_pass(const btf_shader_options *options) {
     btf_shader_options all = read_options(options);
     all.leave_out |= BTF_EFFECT_RELIEF;
@@ -85,7 +106,16 @@ btf_shader_options btf_fold_pass(const btf_shader_options *options) {
 }
 
 uint32_t btf_fold_layers(const btf_material_info *info, btf_fold fold, uint32_t lights) {
-    return lights * (fold == BTF_FOLD_LIGHT ? info->n_views : fold == BTF_FOLD_NEIGHBOURS ? 3 : 1);
+    switch (fold) {
+    case BTF_FOLD_LIGHT:
+        return lights * info->n_views;
+    case BTF_FOLD_SUM:
+        return lights * info->n_views * (info->blend == BTF_BLEND_ROOTS ? 1 + BTFI_PARTNERS : 1);
+    case BTF_FOLD_NEIGHBOURS:
+        return lights * 3;
+    default:
+        return lights;
+    }
 }
 
 size_t btf_fold_bytes(const btf_material_info *info, btf_fold fold, uint32_t lights) {
@@ -105,13 +135,18 @@ btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_opti
     unfolded.fold = BTF_FOLD_NONE;
     const btf_scene anywhere = {.struct_size = sizeof anywhere, .costs = btfi_costs_of(scene)};
     /* A pass over a view does a third of what three neighbouring views take. */
-    const double views = all.fold == BTF_FOLD_LIGHT
-                             ? info.n_views / (all.interpolation == BTF_INTERPOLATION_NEAREST ? 1.0 : 3.0)
-                             : 1;
-    btf_fold_costs costs = {.pass = views * info.width * info.height *
-                                    (double)btf_plan_cost(material, &pass, scene ? &anywhere : NULL),
-                            .unfolded = btf_plan_cost(material, &unfolded, scene),
-                            .folded = btf_plan_cost(material, &all, scene)};
+    const bool of_views = all.fold == BTF_FOLD_LIGHT || all.fold == BTF_FOLD_SUM;
+    const double views =
+        of_views ? info.n_views / (all.interpolation == BTF_INTERPOLATION_NEAREST ? 1.0 : 3.0) : 1;
+    const btf_decode_counts product = {.fetches = 3, .bytes = 48, .floats = 12};
+    const double added = all.fold == BTF_FOLD_SUM ? btf_fold_layers(&info, BTF_FOLD_SUM, 1) *
+                                                        btf_cost_of(&product, anywhere.costs)
+                                                  : 0;
+    btf_fold_costs costs = {
+        .pass = info.width * (double)info.height *
+                (views * (double)btf_plan_cost(material, &pass, scene ? &anywhere : NULL) + added),
+        .unfolded = btf_plan_cost(material, &unfolded, scene),
+        .folded = btf_plan_cost(material, &all, scene)};
     const double saved = (double)costs.unfolded - (double)costs.folded;
     costs.pixels = saved > 0 ? costs.pass / saved : 1e30;
     return costs;
@@ -129,11 +164,10 @@ void btfi_fold_plan(const btf_material *material, btf_plan *plan) {
     if (scene->no_fold) {
         return;
     }
-    if (scene->light.fixed || (scene->still_lights && scene->view.fixed)) {
+    if (scene->light.fixed) {
         options.fold = btf_fold_best(&info, &options, scene->view.fixed);
-    }
-    if (!scene->light.fixed && options.fold != BTF_FOLD_BOTH) { /* nothing else has sums */
-        return;
+    } else if (scene->still_lights) {
+        options.fold = btf_fold_best_sum(&info, &options, scene->view.fixed);
     }
     if (options.fold == BTF_FOLD_NONE) {
         return;
@@ -143,10 +177,11 @@ void btfi_fold_plan(const btf_material *material, btf_plan *plan) {
     const float lights = (float)(plan->scene.lights ? plan->scene.lights : 1);
     const btf_fold_costs costs = btf_fold_cost(material, &options, &plan->scene);
     /* of the restriction: fewer views, fewer texels */
-    const double share = (options.fold == BTF_FOLD_LIGHT ? (double)small.n_views / info.n_views : 1) *
+    const bool of_views = options.fold == BTF_FOLD_LIGHT || options.fold == BTF_FOLD_SUM;
+    const double share = (of_views ? (double)small.n_views / info.n_views : 1) *
                          ((double)small.width * small.height) / ((double)info.width * info.height);
-    /* Radiance of several lights is added up once; what is blended later is read for each. */
-    const float read = options.fold == BTF_FOLD_BOTH ? 1 : lights;
+    /* Sums of several lights are read once; other folds are read for each. */
+    const float read = options.fold == BTF_FOLD_BOTH || options.fold == BTF_FOLD_SUM ? 1 : lights;
     const double saved = (double)(costs.unfolded * lights) - (double)(costs.folded * read);
     const double pixels = (saved > 0 ? costs.pass * (double)lights / saved : 1e30) * share;
     const size_t bytes = btf_fold_bytes(&small, options.fold, 1);

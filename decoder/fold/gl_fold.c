@@ -2,30 +2,13 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "decoder/gl_functions.h"
+#include "gl_fold.h"
 #include "decoder/result.h"
-#include "gl_draw.h"
-#include <openbtf/fold.h>
+#include "partners.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* A program that folds, 0: none, and the locations of its uniforms; view: the layer, viewer: a direction. */
-typedef struct fold_program {
-    uint32_t name;
-    int32_t light, view, viewer, level, weight, sum, from;
-} fold_program;
-
-struct btf_gl_fold {
-    btfi_gl_functions api;
-    btf_fold kind;
-    uint32_t width, height, levels, views, lights; /* views: layers of a light */
-    uint32_t texture;
-    fold_program one, sum; /* of one light; of several, made when it is asked for */
-    char *library;         /* the text that it is made from; NULL where only one light can be folded */
-    size_t bytes;
-};
 
 static const char light_text[] = "uniform highp vec3 btf_pass_light;\n"
                                  "uniform highp int btf_pass_view, btf_pass_level;\n"
@@ -54,24 +37,8 @@ static const char neighbour_text[] =
     "    btf_pass_value = uvec4(floatBitsToUint(value), 0u);\n"
     "}\n";
 
-/* The pass that adds one light to the sum of those before, which lies in a layer of another texture (or there is none). */
-static const char sum_text[] =
-    "uniform highp vec3 btf_pass_light, btf_pass_viewer, btf_pass_weight;\n"
-    "uniform highp int btf_pass_level, btf_pass_from;\n"
-    "uniform highp usampler2DArray btf_pass_sum;\n"
-    "out highp uvec4 btf_pass_value;\n"
-    "void main() {\n"
-    "    ivec2 at = ivec2(gl_FragCoord.xy);\n"
-    "    vec3 sum = vec3(0.0);\n"
-    "    if (btf_pass_from >= 0)\n"
-    "        sum = uintBitsToFloat(texelFetch(btf_pass_sum, ivec3(at, btf_pass_from), "
-    "btf_pass_level).xyz);\n"
-    "    vec3 value = btf_fold_both(uvec2(at), btf_pass_light, btf_pass_viewer, btf_pass_level);\n"
-    "    btf_pass_value = uvec4(floatBitsToUint(btf_fold_add(sum, value, btf_pass_weight)), 0u);\n"
-    "}\n";
-
-static btf_result make_texture(const btf_gl_fold *f, uint32_t layers, uint32_t *out_texture,
-                               const btf_log *log) {
+btf_result btfi_fold_texture(const btf_gl_fold *f, uint32_t layers, uint32_t *out_texture,
+                             const btf_log *log) {
     const btfi_gl_functions *api = &f->api;
     int32_t side = 0, most_layers = 0, bound = 0;
     btfi_gl_unpack unpack;
@@ -110,8 +77,8 @@ static btf_result make_texture(const btf_gl_fold *f, uint32_t layers, uint32_t *
     return BTF_OK;
 }
 
-static btf_result make_program(const btfi_gl_functions *api, const char *library, const char *body,
-                               const btf_log *log, fold_program *out) {
+btf_result btfi_fold_program_make(const btfi_gl_functions *api, const char *library, const char *body,
+                                  const btf_log *log, btfi_fold_program *out) {
     char version[32];
     btfi_gl_version(api, version, sizeof version);
     const char *parts[] = {version, library, body};
@@ -126,13 +93,18 @@ static btf_result make_program(const btfi_gl_functions *api, const char *library
     out->weight = api->GetUniformLocation(out->name, "btf_pass_weight");
     out->sum = api->GetUniformLocation(out->name, "btf_pass_sum");
     out->from = api->GetUniformLocation(out->name, "btf_pass_from");
+    out->values = api->GetUniformLocation(out->name, "btf_pass_values");
+    out->other = api->GetUniformLocation(out->name, "btf_pass_other");
+    out->partners = api->GetUniformLocation(out->name, "btf_pass_partners");
     return BTF_OK;
 }
 
 static btf_result make_pass(btf_gl_fold *f, const btf_material *material, const btf_shader_options *shader,
                             const btf_log *log) {
-    static const char *const bodies[] = {
-        [BTF_FOLD_LIGHT] = light_text, [BTF_FOLD_BOTH] = both_text, [BTF_FOLD_NEIGHBOURS] = neighbour_text};
+    static const char *const bodies[] = {[BTF_FOLD_LIGHT] = light_text,
+                                         [BTF_FOLD_BOTH] = both_text,
+                                         [BTF_FOLD_NEIGHBOURS] = neighbour_text,
+                                         [BTF_FOLD_SUM] = light_text};
     btf_shader_options pass = btf_fold_pass(shader);
     char *library = NULL;
     pass.have_precise = 0; /* the newest version says */
@@ -143,8 +115,8 @@ static btf_result make_pass(btf_gl_fold *f, const btf_material *material, const 
     if (result != BTF_OK) {
         return result;
     }
-    result = make_program(&f->api, library, bodies[f->kind], log, &f->one);
-    if (f->kind == BTF_FOLD_BOTH) {
+    result = btfi_fold_program_make(&f->api, library, bodies[f->kind], log, &f->one);
+    if (f->kind == BTF_FOLD_BOTH || f->kind == BTF_FOLD_SUM) {
         f->library = library;
     } else {
         btf_free(library);
@@ -156,9 +128,9 @@ btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options
                               const btf_log *log, btf_gl_fold **out_fold) {
     *out_fold = NULL;
     if (!options || options->struct_size < sizeof *options || !options->shader || lights < 1 ||
-        options->shader->fold < BTF_FOLD_LIGHT || options->shader->fold > BTF_FOLD_NEIGHBOURS) {
+        options->shader->fold < BTF_FOLD_LIGHT || options->shader->fold > BTF_FOLD_SUM) {
         return btfi_fail(log, BTF_ERROR_USAGE,
-                         "fold: options, their shader, its fold (1 to 3) or a light is missing; lights: %u",
+                         "fold: options, their shader, its fold (1 to 4) or a light is missing; lights: %u",
                          (unsigned)lights);
     }
     btf_material_info info = {.struct_size = sizeof info};
@@ -177,16 +149,23 @@ btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options
     f->width = info.width;
     f->height = info.height;
     f->levels = info.levels;
+    f->sampled = info.n_views;
     f->views = btf_fold_layers(&info, f->kind, 1);
     f->lights = lights;
     f->bytes = btf_fold_bytes(&info, f->kind, lights);
     result = btfi_gl_load(options, log, &f->api);
+    if (result == BTF_OK && f->kind == BTF_FOLD_SUM && info.blend == BTF_BLEND_ROOTS) {
+        const btf_directions views = btf_material_views(material);
+        if ((result = btfi_fold_partners(&views, &f->partners))) {
+            btfi_fail(log, result, "fold: no partners for %u views", (unsigned)info.n_views);
+        }
+    }
     if (result == BTF_OK) {
         btfi_gl_errors(&f->api);
         result = (uint64_t)f->views * lights > 0x10000
                      ? btfi_fail(log, BTF_ERROR_UNSUPPORTED, "fold: %u lights in %u views are too many",
                                  lights, f->views)
-                     : make_texture(f, f->views * lights, &f->texture, log);
+                     : btfi_fold_texture(f, f->views * lights, &f->texture, log);
     }
     if (result == BTF_OK) {
         result = make_pass(f, material, options->shader, log);
@@ -198,15 +177,10 @@ btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options
     return result;
 }
 
-/* The objects that drawing binds, and the caller's state to put back afterwards. */
-typedef struct stage {
-    btfi_gl_state saved;
-    uint32_t framebuffer, array;
-} stage;
-
-static void begin(const btf_gl_fold *f, const fold_program *program, const float view[3], stage *s) {
+void btfi_fold_begin(const btf_gl_fold *f, const btfi_fold_program *program, const float view[3],
+                     btfi_fold_stage *s) {
     const btfi_gl_functions *api = &f->api;
-    *s = (stage){0};
+    *s = (btfi_fold_stage){0};
     btfi_gl_save_state(api, &s->saved);
     api->GenFramebuffers(1, &s->framebuffer);
     api->BindFramebuffer(GL_DRAW_FRAMEBUFFER, s->framebuffer);
@@ -218,7 +192,7 @@ static void begin(const btf_gl_fold *f, const fold_program *program, const float
     }
 }
 
-static btf_result end(const btf_gl_fold *f, stage *s, btf_result result, const btf_log *log) {
+btf_result btfi_fold_end(const btf_gl_fold *f, btfi_fold_stage *s, btf_result result, const btf_log *log) {
     const btfi_gl_functions *api = &f->api;
     api->DeleteVertexArrays(1, &s->array);
     api->DeleteFramebuffers(1, &s->framebuffer);
@@ -231,11 +205,10 @@ static btf_result end(const btf_gl_fold *f, stage *s, btf_result result, const b
     return result;
 }
 
-/* Draws a level of a layer; the program is current. */
-static btf_result draw_layer(const btf_gl_fold *f, const fold_program *program, const float light[3],
-                             uint32_t texture, uint32_t layer, uint32_t level, const btf_log *log) {
+btf_result btfi_fold_draw(const btf_gl_fold *f, const btfi_fold_program *program, const float *light,
+                          uint32_t texture, uint32_t layer, uint32_t level, const btf_log *log) {
     const btfi_gl_functions *api = &f->api;
-    if (program->light >= 0) {
+    if (program->light >= 0 && light) {
         api->Uniform3f(program->light, light[0], light[1], light[2]);
     }
     if (program->level >= 0) {
@@ -251,9 +224,8 @@ static btf_result draw_layer(const btf_gl_fold *f, const fold_program *program, 
     return BTF_OK;
 }
 
-/* Checks the arguments that all calls of a fold have. */
-static btf_result check_call(const btf_gl_fold *f, uint32_t number, const float *light, const float *view,
-                             const btf_log *log) {
+btf_result btfi_fold_check_call(const btf_gl_fold *f, uint32_t number, const float *light,
+                                const float *view, const btf_log *log) {
     if (number >= f->lights) {
         return btfi_fail(log, BTF_ERROR_USAGE,
                          "fold: light %u is beyond the %u lights of the fold, which count from 0", number,
@@ -262,7 +234,7 @@ static btf_result check_call(const btf_gl_fold *f, uint32_t number, const float 
     if (!light) {
         return btfi_fail(log, BTF_ERROR_USAGE, "fold: the light is missing");
     }
-    if (f->kind != BTF_FOLD_LIGHT && !view) {
+    if (f->kind != BTF_FOLD_LIGHT && f->kind != BTF_FOLD_SUM && !view) {
         return btfi_fail(log, BTF_ERROR_USAGE, "fold: light and view are folded, but the view is missing");
     }
     return BTF_OK;
@@ -270,8 +242,12 @@ static btf_result check_call(const btf_gl_fold *f, uint32_t number, const float 
 
 btf_result btf_gl_fold_run(btf_gl_fold *fold, btf_gl *textures, uint32_t first_unit, uint32_t number,
                            const float light[3], const float view[3], const btf_log *log) {
-    stage s;
-    btf_result result = check_call(fold, number, light, view, log);
+    btfi_fold_stage s;
+    if (fold->kind == BTF_FOLD_SUM) {
+        static const float whole[3] = {1, 1, 1};
+        return btf_gl_fold_run_lights(fold, textures, first_unit, number, 1, light, whole, NULL, log);
+    }
+    btf_result result = btfi_fold_check_call(fold, number, light, view, log);
     if (result != BTF_OK) {
         return result;
     }
@@ -280,79 +256,17 @@ btf_result btf_gl_fold_run(btf_gl_fold *fold, btf_gl *textures, uint32_t first_u
     if (result != BTF_OK) {
         return result;
     }
-    begin(fold, &fold->one, view, &s);
+    btfi_fold_begin(fold, &fold->one, view, &s);
     for (uint32_t level = 0; level < fold->levels; ++level) {
         for (uint32_t i = 0; i < fold->views && result == BTF_OK; ++i) {
             if (fold->one.view >= 0) {
                 fold->api.Uniform1i(fold->one.view, (int32_t)i);
             }
-            result =
-                draw_layer(fold, &fold->one, light, fold->texture, number * fold->views + i, level, log);
+            result = btfi_fold_draw(fold, &fold->one, light, fold->texture, number * fold->views + i, level,
+                                    log);
         }
     }
-    return end(fold, &s, result, log);
-}
-
-/* Every light draws what the one before left in the other of two textures; the last draws into the fold's. */
-static btf_result draw_sum(const btf_gl_fold *f, uint32_t other, uint32_t unit, uint32_t number,
-                           uint32_t count, const float *lights, const float *weights, const btf_log *log) {
-    const btfi_gl_functions *api = &f->api;
-    const fold_program *p = &f->sum;
-    const uint32_t texture[2] = {f->texture, other}, layer[2] = {number, 0};
-    btf_result result = BTF_OK;
-    api->Uniform1i(p->sum, (int32_t)unit);
-    api->ActiveTexture(GL_TEXTURE0 + unit);
-    api->BindSampler(unit, 0);
-    for (uint32_t level = 0; level < f->levels; ++level) {
-        for (uint32_t i = 0; i < count && result == BTF_OK; ++i) {
-            const uint32_t to = (count - 1 - i) % 2;
-            api->BindTexture(GL_TEXTURE_2D_ARRAY, texture[1 - to]);
-            api->Uniform1i(p->from, i == 0 ? -1 : (int32_t)layer[1 - to]);
-            api->Uniform3f(p->weight, weights[3 * (size_t)i], weights[3 * (size_t)i + 1],
-                           weights[3 * (size_t)i + 2]);
-            result = draw_layer(f, p, lights + 3 * (size_t)i, texture[to], layer[to], level, log);
-        }
-    }
-    api->BindTexture(GL_TEXTURE_2D_ARRAY, 0);
-    return result;
-}
-
-btf_result btf_gl_fold_run_lights(btf_gl_fold *fold, btf_gl *textures, uint32_t first_unit, uint32_t number,
-                                  uint32_t count, const float *lights, const float *weights,
-                                  const float view[3], const btf_log *log) {
-    stage s;
-    uint32_t units = 0, other = 0;
-    btf_result result = check_call(fold, number, lights, view, log);
-    if (result != BTF_OK) {
-        return result;
-    }
-    if (fold->kind != BTF_FOLD_BOTH || count < 1 || !weights) {
-        return btfi_fail(
-            log, BTF_ERROR_USAGE,
-            "fold: lights are added up where light and view are folded to radiance, with weights; fold %d, "
-            "%u lights",
-            (int)fold->kind, (unsigned)count);
-    }
-    btfi_gl_errors(&fold->api);
-    if (!fold->sum.name) {
-        result = make_program(&fold->api, fold->library, sum_text, log, &fold->sum);
-    }
-    if (result == BTF_OK) {
-        result = make_texture(fold, 1, &other, log);
-    }
-    if (result == BTF_OK) {
-        result = btf_gl_bind(textures, fold->sum.name, first_unit, NULL, log, &units);
-    }
-    if (result == BTF_OK) {
-        begin(fold, &fold->sum, view, &s);
-        result = draw_sum(fold, other, first_unit + units, number, count, lights, weights, log);
-        fold->api.ActiveTexture(GL_TEXTURE0 + (uint32_t)s.saved.unit);
-        result = end(fold, &s, result, log);
-    }
-    if (other) {
-        fold->api.DeleteTextures(1, &other);
-    }
-    return result;
+    return btfi_fold_end(fold, &s, result, log);
 }
 
 void btf_gl_fold_bind(btf_gl_fold *fold, uint32_t program, uint32_t unit, const char *prefix) {
@@ -401,6 +315,7 @@ void btf_gl_fold_destroy(btf_gl_fold **fold) {
         (*fold)->api.DeleteProgram((*fold)->sum.name);
     }
     btf_free((*fold)->library);
+    free((*fold)->partners);
     free(*fold);
     *fold = NULL;
 }

@@ -16,7 +16,7 @@
 
 static const char expected[] =
     "views=T0:T1[:P0:P1],lights=...,view=T:P,light=T:P,pixels=X,count=N,tolerance=DB,"
-    "interpolate or all";
+    "interpolate, still or all";
 
 /* Numbers with colons between, up to the end of the word; returns how many, 0 when there is anything else. */
 static int read_numbers(const char *text, size_t length, double out[4]) {
@@ -77,6 +77,10 @@ static bool read_word(const char *word, size_t length, scene_option *o) {
     }
     if (length == 11 && memcmp(word, "interpolate", 11) == 0) {
         o->scene.interpolate = 1;
+        return true;
+    }
+    if (length == 5 && memcmp(word, "still", 5) == 0) {
+        o->scene.still_lights = 1;
         return true;
     }
     for (int k = 0; k < (int)(sizeof keys / sizeof *keys); k++) {
@@ -216,6 +220,7 @@ static void print_fold(FILE *out, const char *indent, const btf_material *materi
     if (plan->fold != BTF_FOLD_NONE) {
         fprintf(out, "%s%s folded into %zu bytes: %.0f%% of the time, after %.0f pixels%s\n", indent,
                 plan->fold == BTF_FOLD_LIGHT ? "light"
+                : plan->fold == BTF_FOLD_SUM ? "lights"
                 : plan->scene.light.fixed    ? "light and view"
                                              : "lights and view",
                 plan->fold_bytes, 100 * (double)plan->folded_cost / (double)plan->full_cost,
@@ -225,11 +230,15 @@ static void print_fold(FILE *out, const char *indent, const btf_material *materi
     fprintf(out, "%snothing is folded: ", indent);
     if (plan->scene.no_fold) {
         fprintf(out, "no fold is wanted\n");
-    } else if (btf_fold_best(&info, &plan->shader, plan->scene.view.fixed) != BTF_FOLD_NONE) {
+    } else if ((plan->scene.light.fixed
+                    ? btf_fold_best(&info, &plan->shader, plan->scene.view.fixed)
+                    : btf_fold_best_sum(&info, &plan->shader, plan->scene.view.fixed)) != BTF_FOLD_NONE) {
         fprintf(out, "a fold would not pay within %.0f pixels, or is too large\n",
                 plan->scene.folded_pixels);
     } else if (info.colour != BTF_COLOUR_NONE) {
         fprintf(out, "the SBRDF depends on the view\n");
+    } else if (!plan->scene.light.fixed && plan->effects & BTF_EFFECT_RELIEF) {
+        fprintf(out, "with relief each view shows other texels\n");
     } else if (btf_plan_worth(material, plan, BTF_EFFECT_GLOSS, &linear, &srgb) == BTF_OK) {
         fprintf(out,
                 "with gloss lights depend on the view; without it about %.2f/%.2f dB are lost between the "
@@ -258,7 +267,7 @@ void scene_plan_print(FILE *out, const char *indent, const btf_material *materia
             (unsigned)plan->views, (unsigned)plan->lights, plan->gpu_bytes, plan->full_gpu_bytes,
             100 * (double)plan->gpu_bytes / (double)plan->full_gpu_bytes,
             100 * (double)plan->cost / (double)plan->full_cost);
-    if (plan->scene.light.fixed || plan->fold != BTF_FOLD_NONE) {
+    if (plan->scene.light.fixed || plan->scene.still_lights || plan->fold != BTF_FOLD_NONE) {
         print_fold(out, indent, material, plan);
     }
     print_reasons(out, indent, material, plan);

@@ -21,7 +21,8 @@ typedef struct scene_option {
 #define SCENE_OPTION_HELP                                                                                  \
     "views=T0:T1[:P0:P1] and lights=..., ranges of theta and phi in degrees\n"                             \
     "(default all); view=T:P and light=T:P, one direction that never changes;\n"                           \
-    "pixels=X, the side of a texel on the screen; count=N lights a pixel;\n"                               \
+    "pixels=X, the side of a texel on the screen; count=N lights a pixel, still:\n"                        \
+    "that never change and are the same in every pixel;\n"                                                 \
     "tolerance=DB below the full decode (default 0.5); interpolate, never take\n"                          \
     "the nearest direction alone. Commas between them; \"all\": the defaults"
 

@@ -55,7 +55,7 @@ btf_result check_planned(const check_subject *subject, uint64_t seed, uint64_t c
  * reference, which folds nothing; effects that would prevent the fold are left out. Adds to *outcome. */
 btf_result check_folded(const check_subject *subject, uint64_t seed, uint64_t count, check_outcome *outcome);
 
-/* The fold that check_folded makes: one of three by the seed; of a light alone where that is defined and takes no more
+/* The fold that check_folded makes: one of four by the seed; of a light alone where that is defined and takes no more
  * than 64 evaluations for each of `count`. */
 btf_fold check_fold_kind(const btf_material_info *info, uint64_t seed, uint64_t count);
 

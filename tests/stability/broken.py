@@ -99,7 +99,7 @@ CHANGES = [
     ("neighbours of a fold read by the number of their view", "fold", [
         ("reference/btf_evaluate.c", "        e.shown[a] = a;", "        e.shown[a] = e.views.index[a] % 3;")]),
     ("a fold of neighbours that takes the layers of all views", "fold", [
-        ("decoder/fold/fold.c", "fold == BTF_FOLD_NEIGHBOURS ? 3 : 1", "fold == BTF_FOLD_NEIGHBOURS ? info->n_views : 1")]),
+        ("decoder/fold/fold.c", "return lights * 3;", "return lights * info->n_views;")]),
     ("the CPU's neighbours kept by their order, not their place", "fold", [
         ("decoder/fold/cpu_fold.c", "s->views.place[a] != layer", "(uint32_t)a != layer")]),
     ("level 0 folded by the CPU for all", "fold", [
@@ -108,16 +108,34 @@ CHANGES = [
         ("decoder/fold/cpu_fold.c", "texels.column[texels.count] = first + (uint32_t)texels.count;", "texels.column[texels.count] = (uint32_t)texels.count;")]),
     ("lights added by the CPU without their weights", "fold", [
         ("decoder/fold/cpu_fold.c", "total + value * weight[i % 4]", "total + value * weight[0]")]),
+    ("a sum of lights folded where relief is decoded", "fold_sum", [
+        ("decoder/fold/fold.c", "all.fold == BTF_FOLD_SUM && effects & BTF_EFFECT_RELIEF", "all.fold == BTF_FOLD_SUM && effects == 0")]),
+    ("negative roots that take nothing from a product", "fold_sum", [
+        ("decoder/fold/cpu_sum.c", "(low < 0 ? low : 0.0f) * 0.5f", "(low < 0 ? low : 0.0f) * 0.0f")]),
+    ("a light of a sum that weighs by its red", "fold_sum", [
+        ("decoder/fold/cpu_sum.c", "{weight[0], weight[1], weight[2], 0}", "{weight[0], weight[0], weight[2], 0}")]),
+    ("edges of the hull that are partners where they go up alone", "fold_sum", [
+        ("decoder/fold/partners.c", "if (a == b || place_of", "if (a >= b || place_of")]),
+    ("neighbours beyond the hull that are no partners", "fold_sum", [
+        ("decoder/fold/partners.c", "i < views->hull_count; i++", "i < views->hull_count - views->hull_count; i++")]),
+    ("a sum that leaves out what two neighbours have together", "fold_sum", [
+        ("reference/btf_evaluate.c", "k < 6; ++k) {", "k < 3; ++k) {")]),
+    ("the second of two lights added from the values of the first", "fold_gl", [
+        ("decoder/fold/gl_sum.c", "(int32_t)(second * f->sampled);", "(int32_t)(second * 0 * f->sampled);")]),
+    ("an odd light of a sum that begins none", "fold_gl", [
+        ("decoder/fold/gl_sum.c", "begins && i == 0", "begins && i == 1")]),
+    ("the sum of lights under a moving view counted for each of them", "fold", [
+        ("decoder/fold/fold.c", "options.fold == BTF_FOLD_BOTH || options.fold == BTF_FOLD_SUM ? 1 : lights", "options.fold == BTF_FOLD_BOTH ? 1 : lights")]),
     ("a sum of lights begun in the wrong texture", "fold_gl", [
-        ("decoder/fold/gl_fold.c", "to = (count - 1 - i) % 2", "to = i % 2")]),
+        ("decoder/fold/gl_sum.c", "to = (count - 1 - i) % 2", "to = i % 2")]),
     ("gloss left out at any price", "fold", [
         ("decoder/plan/plan.c", "base[i] * (1 + lack[i]) + way->growth", "base[i] + way->growth")]),
     ("gloss never left out", "fold", [
         ("decoder/plan/plan.c", "l->effects && !(s->between && s->tolerance > 0)", "l->effects && !(s->between && s->tolerance > 1000)")]),
     ("a light folded where gloss is decoded", "fold", [
-        ("decoder/fold/fold.c", "all.fold == BTF_FOLD_LIGHT && effects & BTF_EFFECT_GLOSS", "all.fold == BTF_FOLD_LIGHT && effects == 0")]),
+        ("decoder/fold/fold.c", "of_lights && effects & BTF_EFFECT_GLOSS", "of_lights && effects == 0")]),
     ("a light folded where there is an SBRDF", "fold", [
-        ("decoder/fold/fold.c", "all.fold == BTF_FOLD_LIGHT && info->colour != BTF_COLOUR_NONE", "all.fold == BTF_FOLD_LIGHT && info->colour > BTF_COLOUR_NONE")]),
+        ("decoder/fold/fold.c", "of_lights && info->colour != BTF_COLOUR_NONE", "of_lights && info->colour > BTF_COLOUR_NONE")]),
     ("light and view folded where relief is decoded", "fold", [
         ("decoder/fold/fold.c", "all.fold == BTF_FOLD_BOTH && effects & BTF_EFFECT_RELIEF", "all.fold == BTF_FOLD_BOTH && effects == 0")]),
     ("level 0 of a fold drawn alone", "fold_gl", [

@@ -331,11 +331,26 @@ for way in "--light 20,100 --light 50,0 --light 70,-120" "--environment sky.exr 
         same "$device: the same sum, $way" r.exr f.exr
     done
 done
-for way in "--light 20,100" "--light 20,100 --light 50,0 --cast-shadows" "--light 20,100 --point 0,0,2" \
-    "--light 20,100 --light 50,0 --fov 30"; do
+for way in "--light 20,100" "--light 20,100 --light 50,0 --cast-shadows" "--light 20,100 --point 0,0,2"; do
     expect "no sum: $way" 0 many -o f.exr --device reference --fold always --stats $way
-    expect_that "which says so" test "$(grep -c 'lights and view' out)" = 0
+    expect_that "which says so" test "$(grep -c 'lights' out)" = 1 # of the picture
 done
+# In a perspective as well, by a plan or on demand: the same bits on every device. Without either lights are added up one by one.
+for way in "--light 20,100 --light 50,0 --light 70,-120 --fold always" "--environment sky.exr --environment-lights 16 --fold always" \
+    "--light 20,100 --light 50,0 --size 400 --plan auto --tolerance 3" \
+    "--light 20,100 --light 50,0 --fold always --animate view --frames 2"; do
+    for device in reference osmesa; do
+        expect "$device folds several under a view that varies: $way" 0 \
+            many -o $device.exr --fov 30 --device $device --stats $way
+        expect_text "$device: says so: $way" '^folded: [0-9]+ lights, [0-9]+ bytes' out
+    done
+    case $way in
+    *frames*) same "the same second sum, $way" reference.0002.exr osmesa.0002.exr ;;
+    *) same "the same sum, $way" reference.exr osmesa.exr ;;
+    esac
+done
+expect "several lights without a plan" 0 many -o f.exr --fov 30 --size 400 --device osmesa --stats --light 20,100 --light 50,0
+expect_text "are not added up beforehand" '^folded: nothing' out
 expect "a fold that is none" 1 render -o x.png --fold often
 
 # Plans: a restriction gives the same picture as its plan on the whole material; tolerance 0 leaves out nothing that

@@ -41,8 +41,8 @@ typedef struct btf_scene {
     int interpolate;       /**< 1: never nearest directions, which jump when view or light move */
     /** Of the device that shows it; NULL: those of llvmpipe. Read during the call; plan->scene keeps the pointer. */
     const btf_cost_model *costs;
-    /** 1: the lights, wherever in their range, stand still and are the same in every pixel: with a view that is fixed
-     * their sum can be folded (btf_gl_fold_run_lights). */
+    /** 1: the lights, wherever in their range, stand still and are the same in every pixel: their sum can be folded
+     * (btf_gl_fold_run_lights), with a view that is fixed to radiance, else as BTF_FOLD_SUM. */
     int still_lights;
     int no_fold; /**< 1: nothing will be folded (openbtf/fold.h), and no plan counts on it */
     /** Pixels that are shown before what is fixed changes; a fold that needs more of them to pay is not made. 0: enough
@@ -77,10 +77,11 @@ typedef struct btf_plan {
      * and light are samples, which have nothing between them. */
     float between_psnr_linear, between_psnr_srgb;
     float full_between_psnr_linear, full_between_psnr_srgb; /**< likewise, of the full decode */
-    /** How the plan can be folded (openbtf/fold.h), where the light of the scene is fixed, or its lights and the view stand
-     * still; BTF_FOLD_NONE where it cannot, or where the scene makes no such fold. The view is folded as well where it is
-     * fixed. fold_bytes is of one light: BTF_FOLD_BOTH keeps the sum of several lights in as many bytes
-     * (btf_gl_fold_run_lights), the other folds take as much for each light. */
+    /** How the plan can be folded (openbtf/fold.h), where the light of the scene is fixed, or its lights stand still;
+     * BTF_FOLD_NONE where it cannot, or where the scene makes no such fold. The view is folded as well where it is
+     * fixed. fold_bytes is of one light: BTF_FOLD_BOTH and BTF_FOLD_SUM keep the sum of several lights in as many bytes
+     * (btf_gl_fold_run_lights), the other folds take as much for each light. What BTF_FOLD_SUM clamps otherwise than the
+     * decoder is not held against the tolerance. */
     btf_fold fold;
     size_t fold_bytes;  /**< of the folded texture, beside gpu_bytes; else 0 */
     float folded_cost;  /**< of a pixel that reads folded textures, of all lights as `cost`; else `cost` */

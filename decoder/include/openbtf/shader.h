@@ -95,7 +95,10 @@ typedef enum btf_fold {
     BTF_FOLD_NONE = 0,  /**< nothing */
     BTF_FOLD_LIGHT = 1, /**< a light that never changes */
     BTF_FOLD_BOTH = 2,  /**< a light and a view: radiance, where relief is not decoded */
-    BTF_FOLD_NEIGHBOURS = 3, /**< a light and a view: what the views around it show, blended as ever; with relief */
+    BTF_FOLD_NEIGHBOURS =
+        3, /**< a light and a view: what the views around it show, blended as ever; with relief */
+    BTF_FOLD_SUM =
+        4, /**< the sum of lights that never change, under a view that does: not to the bit, see fold.h */
 } btf_fold;
 
 /** The neighbours of which a stochastic decode picks one, with its weight, in place of blending all. The mean over
@@ -134,7 +137,7 @@ typedef struct btf_shader_options {
     btf_picks picks;
     /** The fold that was made: the shader reads texture `folded`, bound to first_binding + BTF_TEXTURE_COUNT, and of the
      * material's textures only those that say where. The directions handed to btf_evaluate must be those that were
-     * folded, bit for bit. A fixed view is used with BTF_FOLD_LIGHT and, where it is the one that was folded, with
+     * folded, bit for bit; of BTF_FOLD_SUM the light may be any above the horizon. A fixed view is used with BTF_FOLD_LIGHT, _SUM and, where it is the one that was folded, with
      * BTF_FOLD_NEIGHBOURS; a fixed light, and with BTF_FOLD_BOTH a fixed view, are not. Not with picks. Default BTF_FOLD_NONE. */
     btf_fold fold;
     btf_language language; /**< default GLSL */

@@ -105,6 +105,8 @@ static btf_result open_shader(job *j, int frames) {
         request.lights = j->still_lights.count;
         request.light_directions = j->still_lights.directions;
         request.light_weights = j->still_lights.weights;
+        request.sum_of_views =
+            render_options.fold == SHADER_FOLD_ALWAYS || (j->whole && j->plan.fold == BTF_FOLD_SUM);
     }
     if (render_options.figure13) {
         request.effects[0] = 0;
@@ -218,11 +220,13 @@ static bool wants_folds(void) {
 
 /* Finds several lights that are the same in every sample, so that their sum can be folded. */
 static btf_result find_still_lights(job *j) {
+    const bool animated = render_options.frames > 1;
     if (render_options.fold == SHADER_FOLD_NEVER || render_options.stochastic || render_options.figure13 ||
-        render_options.frames > 1) {
+        (animated && render_options.animate != 0)) {
         return BTF_OK;
     }
     const btf_result result = still_lights_find(&j->scene, &j->still_lights);
+    j->still_lights.same_view = j->still_lights.same_view && !animated;
     j->together = (light_list){&j->still_lights.together, 1};
     return result ? cli_error(&render_program, result, "out of memory for lights") : BTF_OK;
 }
@@ -231,7 +235,7 @@ static btf_result find_still_lights(job *j) {
 static btf_result find_still(job *j) {
     const bool turns = render_options.frames > 1 && render_options.animate != 0;
     if (j->still_lights.count > 0) {
-        j->still.fixed = BTF_FIXED_VIEW;
+        j->still.fixed = j->still_lights.same_view ? BTF_FIXED_VIEW : 0u;
         memcpy(j->still.fixed_view, j->still_lights.view, sizeof j->still.fixed_view);
         return BTF_OK;
     }
@@ -257,6 +261,8 @@ static btf_result find_still(job *j) {
 /* The plan for a range of frames that begins with `first`, and the material and shader that it calls for.
  */
 static btf_result plan_frames(job *j, int first) {
+    /* A sum of lights takes one evaluation for all of them. */
+    const double together = j->still_lights.count > 0 ? (double)render_options.lights.count : 1;
     const frame_wishes wishes = {
         .tolerance = (float)render_options.tolerance,
         .interpolate = render_options.frames > 1 || render_options.interpolation_given,
@@ -264,7 +270,7 @@ static btf_result plan_frames(job *j, int first) {
         .costs = costs_of(j),
         .still_lights = (uint32_t)j->still_lights.count,
         .folds = j->still_lights.count > 0 ? render_options.fold != SHADER_FOLD_NEVER : wants_folds(),
-        .samples = render_options.fold == SHADER_FOLD_ALWAYS ? 0 : count_samples(j, 1),
+        .samples = render_options.fold == SHADER_FOLD_ALWAYS ? 0 : count_samples(j, 1) / together,
         .fold_bytes = SHADE_FOLD_BYTES};
     btf_result result =
         frame_plan(j->whole, j->seen, first, render_options.frames, &wishes, &j->planned_end, &j->plan);

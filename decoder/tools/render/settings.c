@@ -221,7 +221,8 @@ static const cli_option option_table[] = {
              "where it is defined, or never. A light alone cannot be folded where the material\n"
              "has an SBRDF or gloss, which depend on the view. The picture is the same. With the\n"
              "view, several lights far away are folded into their sum, in single precision,\n"
-             "unless relief is decoded"},
+             "unless relief is decoded; without it, by a plan or always, into a sum that is not\n"
+             "quite the same where roots are clamped (openbtf/fold.h, BTF_FOLD_SUM)"},
     {.name = "tolerance",
      .arg = "DB",
      .type = CLI_DOUBLE,

@@ -40,7 +40,9 @@ static bool is_worth_it(const shader_request *request, const btf_shader_options 
         return false;
     }
     return request->fold == SHADER_FOLD_ALWAYS ||
-           (btf_fold_layers(&info, options->fold, 1) <= BTF_MAX_DIRECTION_LAYERS && /* that every GL has */
+           (btf_fold_layers(&info, options->fold, 1) <=
+                (options->fold == BTF_FOLD_SUM ? (uint32_t)SHADE_SUM_LAYERS
+                                               : BTF_MAX_DIRECTION_LAYERS) && /* that every GL has */
             pays(request, options));
 }
 
@@ -50,15 +52,19 @@ static btf_fold best_fold(const shader_request *request, const btf_shader_option
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(request->material, &info);
     const bool view_is_still = request->fixed & BTF_FIXED_VIEW;
-    const btf_fold best = btf_fold_best(&info, options, view_is_still);
-    if (request->lights > 0 ? best == BTF_FOLD_BOTH : best != BTF_FOLD_NONE) {
+    const btf_fold best = request->lights > 0 ? btf_fold_best_sum(&info, options, view_is_still)
+                                              : btf_fold_best(&info, options, view_is_still);
+    if (best == BTF_FOLD_SUM && !request->sum_of_views) {
+        return BTF_FOLD_NONE;
+    }
+    if (best != BTF_FOLD_NONE) {
         return best;
     }
     if (request->fold == SHADER_FOLD_ALWAYS) {
         file_kept why;
         const btf_log keeps = file_log_keep(&why);
         btf_shader_options refused = *options;
-        refused.fold = request->lights > 0 ? BTF_FOLD_BOTH : BTF_FOLD_LIGHT;
+        refused.fold = request->lights == 0 ? BTF_FOLD_LIGHT : view_is_still ? BTF_FOLD_BOTH : BTF_FOLD_SUM;
         btf_fold_check(&info, &refused, &keeps);
         file_warn(log, "option --fold always: %s", why.text);
     }
@@ -107,9 +113,37 @@ static void fold_both(const btf_ref_material *material, const btf_ref_options *o
     }
 }
 
-float *shade_fold_reference(const btf_ref_material *material, const btf_ref_options *options,
+/* A level of the sum of lights under a view that moves, by all threads. */
+static float *fold_sum(const btf_ref_material *material, const btf_evaluator *evaluator, uint32_t level,
+                       const btf_shader_options *folded, const shader_request *request) {
+    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_get_info(request->material, &info);
+    const size_t layers = btf_fold_layers(&info, BTF_FOLD_SUM, 1);
+    uint32_t *texels = malloc(layers * material->height * material->width * 4 * sizeof *texels);
+    bool ok = texels != NULL;
+#pragma omp parallel for schedule(dynamic) num_threads(request->threads)
+    for (uint32_t y = 0; y < material->height; y++) {
+        if (texels &&
+            btf_fold_sum_rows(evaluator, folded, (uint32_t)request->lights, request->light_directions,
+                              request->light_weights, level, y, 1, texels) != BTF_OK) {
+#pragma omp atomic write
+            ok = false;
+        }
+    }
+    if (!ok) {
+        free(texels);
+        return NULL;
+    }
+    return (float *)texels;
+}
+
+float *shade_fold_reference(const btf_ref_material *material, const btf_evaluator *evaluator,
+                            uint32_t level, const btf_ref_options *options,
                             const btf_shader_options *folded, const shader_request *request) {
     const btf_fold fold = folded->fold;
+    if (fold == BTF_FOLD_SUM) {
+        return fold_sum(material, evaluator, level, folded, request);
+    }
     const size_t row = (size_t)4 * material->width;
     const int64_t layers = fold == BTF_FOLD_LIGHT ? material->n_views : fold == BTF_FOLD_NEIGHBOURS ? 3 : 1;
     const int64_t rows = (int64_t)material->height * layers;

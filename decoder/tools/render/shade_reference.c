@@ -67,7 +67,8 @@ static bool fold(reference *r, const shader_request *request, int variant, const
     for (int i = 0; i < r->levels && options.fold != BTF_FOLD_NONE; i++) {
         btf_ref_folded *f = &r->folded[variant][i];
         f->fold = (int)options.fold; /* the numbers are the same */
-        f->values = shade_fold_reference(&r->level[i], &r->reference_options[variant], &options, request);
+        f->values = shade_fold_reference(&r->level[i], r->evaluator, (uint32_t)i,
+                                         &r->reference_options[variant], &options, request);
         if (!f->values) {
             return false;
         }

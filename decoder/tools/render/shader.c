@@ -25,8 +25,8 @@ static void describe_fold(const shader_request *request, btf_fold fold, char *te
     if (fold == BTF_FOLD_NONE) {
         snprintf(text, size, "nothing");
     } else if (request->lights > 0) {
-        snprintf(text, size, "%zu lights and view, %zu bytes", request->lights,
-                 btf_fold_bytes(&info, fold, 1));
+        snprintf(text, size, "%zu lights%s, %zu bytes", request->lights,
+                 fold == BTF_FOLD_SUM ? "" : " and view", btf_fold_bytes(&info, fold, 1));
     } else {
         snprintf(text, size, "%s, %zu bytes", fold == BTF_FOLD_LIGHT ? "light" : "light and view",
                  btf_fold_bytes(&info, fold, 1));

@@ -22,21 +22,21 @@ static bool may_be_still(const render_scene *scene) {
 }
 
 static bool same_frame(const table_sample *a, const table_sample *b) {
-    return memcmp(a->view, b->view, sizeof a->view) == 0 &&
-           memcmp(a->tangent, b->tangent, sizeof a->tangent) == 0 &&
+    return memcmp(a->tangent, b->tangent, sizeof a->tangent) == 0 &&
            memcmp(a->bitangent, b->bitangent, sizeof a->bitangent) == 0 &&
            memcmp(a->normal, b->normal, sizeof a->normal) == 0;
 }
 
-/* Whether all samples have one view and one tangent frame, by which a light far away has one direction; *first is one of
- * them. */
-static btf_result find_frame(const render_scene *scene, table_sample *first, bool *out_same) {
+/* Whether all samples have one tangent frame, by which a light far away has one direction, and whether they have one view;
+ * *first is one of them. */
+static btf_result find_frame(const render_scene *scene, table_sample *first, bool *out_same,
+                             bool *out_same_view) {
     table_scene table = scene->table;
     table.width = scene->width * scene->samples;
     table.height = scene->height * scene->samples;
     table_sample *row = calloc((size_t)table.width, sizeof *row);
     bool any = false;
-    *out_same = true;
+    *out_same = *out_same_view = true;
     for (int y = 0; row && *out_same && y < table.height; y++) {
         table_cast(&table, y, 1, row);
         for (int x = 0; x < table.width && *out_same; x++) {
@@ -48,6 +48,7 @@ static btf_result find_frame(const render_scene *scene, table_sample *first, boo
                 any = true;
             }
             *out_same = same_frame(first, &row[x]);
+            *out_same_view = *out_same_view && memcmp(first->view, row[x].view, sizeof first->view) == 0;
         }
     }
     *out_same = *out_same && any;
@@ -57,12 +58,12 @@ static btf_result find_frame(const render_scene *scene, table_sample *first, boo
 
 btf_result still_lights_find(const render_scene *scene, still_lights *out) {
     table_sample frame = {0};
-    bool same = false;
+    bool same = false, same_view = false;
     *out = (still_lights){0};
     if (!may_be_still(scene)) {
         return BTF_OK;
     }
-    btf_result result = find_frame(scene, &frame, &same);
+    btf_result result = find_frame(scene, &frame, &same, &same_view);
     if (result || !same) {
         return result;
     }
@@ -88,6 +89,7 @@ btf_result still_lights_find(const render_scene *scene, still_lights *out) {
         }
         out->count++;
     }
+    out->same_view = same_view;
     memcpy(out->view, frame.view, sizeof out->view);
     if (out->count < 2) {
         still_lights_clear(out);

@@ -1,5 +1,5 @@
-/* Several lights that are the same in every sample of a picture: on a flat mesh under lights far away, seen in parallel
- * projection, so that their sum can be folded (openbtf/fold.h).
+/* Several lights that are the same in every sample of a picture: on a flat mesh under lights far away, so that their sum
+ * can be folded (openbtf/fold.h); seen in parallel projection the view is the same as well.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -13,13 +13,14 @@ typedef struct still_lights {
     size_t count;
     float *directions; /* [count][3], unit, in the tangent frame of every sample */
     float *weights;    /* [count][3]: irradiance / pi */
-    float view[3];     /* of every sample */
-    light together;    /* stands for all of them where a shader shows their sum: the first, of colour 1 */
+    bool same_view;
+    float view[3];  /* of every sample, with same_view */
+    light together; /* stands for all of them where a shader shows their sum: the first, of colour 1 */
 } still_lights;
 
 /* Casts the picture and fills in *out where two or more lights of the scene, all of them directional, no environment and
- * no shadows that are cast, shine on every sample from the same directions, bit for bit, and the view is the same too;
- * else *out is all zeros. Errors: BTF_ERROR_MEMORY. */
+ * no shadows that are cast, shine on every sample from the same directions, bit for bit; else *out is all zeros. Errors:
+ * BTF_ERROR_MEMORY. */
 btf_result still_lights_find(const render_scene *scene, still_lights *out);
 void still_lights_clear(still_lights *lights);
 

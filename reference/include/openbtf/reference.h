@@ -148,19 +148,22 @@ enum {
     BTF_REF_FOLD_LIGHT = 1,      /**< the light */
     BTF_REF_FOLD_BOTH = 2,       /**< the light and the view, of which radiance is kept */
     BTF_REF_FOLD_NEIGHBOURS = 3, /**< the light and the view, of which each neighbouring view is kept */
+    BTF_REF_FOLD_SUM = 4,        /**< several lights, of which sums are kept */
 };
 
 /** The values that folding kept. */
 typedef struct btf_ref_folded {
-    int fold; /**< BTF_REF_FOLD_LIGHT, _BOTH or _NEIGHBOURS */
+    int fold; /**< BTF_REF_FOLD_LIGHT, _BOTH, _NEIGHBOURS or _SUM */
     /** [view][row][column][4], of both [row][column][4], of neighbours [neighbour][row][column][4]; as the functions
-     * below make them */
+     * below make them. Of a sum [view][row][column][4], where views are blended as roots [view][4][row][column][4], the
+     * bits that btf_fold_sum_rows() of the library makes: no function here does. */
     const float *values;
 } btf_ref_folded;
 
 /** @return 1 where @p fold is defined, else 0. That of a light: in materials without an SBRDF, which depends on the
  * viewer between samples, unless gloss is decoded, with which the lights do. That of light and view as radiance:
- * unless relief is decoded, which moves texels by parts of one. That of light and view as neighbours: always. */
+ * unless relief is decoded, which moves texels by parts of one. That of light and view as neighbours: always. That of
+ * several lights: where that of a light is, unless relief is decoded. */
 int btf_ref_can_fold(const btf_ref_material *material, const btf_ref_options *options, int fold);
 
 /** Sets rows first_row .. first_row + rows - 1 of the values that texels show in sampled view @p view under

@@ -37,22 +37,28 @@ btf_fold check_fold_kind(const btf_material_info *info, uint64_t seed, uint64_t 
     const bool light = info->colour == BTF_COLOUR_NONE && views <= EVALUATIONS * count;
     const uint64_t kind = seed / 3 % 3;
     if (kind == 0 && light) {
-        return BTF_FOLD_LIGHT;
+        return seed / 9 % 2 == 1 ? BTF_FOLD_SUM : BTF_FOLD_LIGHT;
     }
     return kind == 1 ? BTF_FOLD_BOTH : BTF_FOLD_NEIGHBOURS;
 }
 
 uint32_t check_fold_left_out(btf_fold kind) {
-    return kind == BTF_FOLD_LIGHT ? BTF_EFFECT_GLOSS : kind == BTF_FOLD_BOTH ? BTF_EFFECT_RELIEF : 0;
+    return kind == BTF_FOLD_SUM     ? BTF_EFFECT_GLOSS | BTF_EFFECT_RELIEF
+           : kind == BTF_FOLD_LIGHT ? BTF_EFFECT_GLOSS
+           : kind == BTF_FOLD_BOTH  ? BTF_EFFECT_RELIEF
+                                    : 0;
 }
 
-/* The directions that are folded. The second of BTF_FOLD_BOTH is a sum of several lights where sums is not NULL. */
+/* The directions that are folded. The second of BTF_FOLD_BOTH is a sum of several lights where sums is not NULL; that of
+ * BTF_FOLD_SUM always is, and the first of one light. */
 typedef struct folding {
     float directions[LIGHTS][2][3]; /* light, view */
     float lights[SUMMED][3], weights[SUMMED][3];
     float *sums[BTF_MAX_LEVELS]; /* of the reference, [row][column][4] */
+    uint32_t *texels[LIGHTS];    /* of BTF_FOLD_SUM, by the library on the CPU: all levels */
     btf_ref_material levels[BTF_MAX_LEVELS];
     btf_ref_options options;
+    bool view_is_fixed;
 } folding;
 
 /* The reference's sum of lights, of each level. */
@@ -88,8 +94,11 @@ static btf_result choose_folding(random_state *r, const check_subject *s, const 
     }
     const float *view = of->directions[0][1];
     const float length = view[0] * view[0] + view[1] * view[1] + view[2] * view[2];
-    if (shader->fold == BTF_FOLD_NEIGHBOURS && seed & 1 && fabsf(length - 1) < 1e-5f && view[2] > 0.01f) {
+    const bool fixed =
+        shader->fold == BTF_FOLD_SUM ? !(seed & 1) : shader->fold == BTF_FOLD_NEIGHBOURS && seed & 1;
+    if (fixed && fabsf(length - 1) < 1e-5f && view[2] > 0.01f) {
         shader->fixed |= BTF_FIXED_VIEW; /* of both lights */
+        of->view_is_fixed = true;
         memcpy(shader->fixed_view, view, sizeof shader->fixed_view);
         memcpy(of->directions[1][1], view, sizeof shader->fixed_view);
     }
@@ -98,6 +107,14 @@ static btf_result choose_folding(random_state *r, const check_subject *s, const 
         for (int c = 0; c < 3; ++c) {
             of->weights[i][c] = (float)random_between(r, 0, 2);
         }
+    }
+    static const float whole[3] = {1, 1, 1};
+    if (shader->fold == BTF_FOLD_SUM) {
+        const btf_result one = btf_material_fold_sum(s->material, shader, 1, of->directions[0][0], whole,
+                                                     s->log, &of->texels[0]);
+        return one ? one
+                   : btf_material_fold_sum(s->material, shader, SUMMED, of->lights[0], of->weights[0],
+                                           s->log, &of->texels[1]);
     }
     return sum ? add_lights(of, info->levels) : BTF_OK;
 }
@@ -116,7 +133,7 @@ static btf_result make_fold(const check_session *session, const btf_shader_optio
         result = btf_gl_fold_create(s->material, &options, LIGHTS, s->log, out_fold);
     }
     for (uint32_t i = 0; i < LIGHTS && result == BTF_OK; ++i) {
-        result = i == 1 && of->sums[0]
+        result = i == 1 && (of->sums[0] || of->texels[0])
                      ? btf_gl_fold_run_lights(*out_fold, textures, GPU_FIRST_UNIT, i, SUMMED, of->lights[0],
                                               of->weights[0], of->directions[i][1], s->log)
                      : btf_gl_fold_run(*out_fold, textures, GPU_FIRST_UNIT, i, of->directions[i][0],
@@ -137,14 +154,24 @@ static void choose_case(random_state *r, check_session *session, const folding *
     f[0] = case_coordinate(r, level->width);
     f[1] = case_coordinate(r, level->height);
     memcpy(f + 2, of->directions[i & 1][0], sizeof of->directions[0][0]);
-    if (kind != BTF_FOLD_LIGHT) {
+    if ((kind != BTF_FOLD_LIGHT && kind != BTF_FOLD_SUM) || of->view_is_fixed) {
         memcpy(f + 5, of->directions[i & 1][1], sizeof of->directions[0][1]);
     } else {
         case_direction(r, &views, f + 5);
     }
     memcpy(session->inputs + GPU_INPUTS * i, f, sizeof f);
     const btf_ref_folded sum = {BTF_REF_FOLD_BOTH, of->sums[at]};
-    if (i & 1 && sum.values) {
+    if (kind == BTF_FOLD_SUM) {
+        size_t texels = 0;
+        for (uint32_t finer = 0; finer < at; ++finer) {
+            texels += (size_t)of->levels[finer].width * of->levels[finer].height;
+        }
+        const size_t layers = (size_t)level->n_views * (level->blend == BTF_REF_BLEND_ROOTS ? 4 : 1);
+        const btf_ref_folded lights = {BTF_REF_FOLD_SUM,
+                                       (const float *)of->texels[i & 1] + 4 * layers * texels};
+        btf_ref_evaluate_folded(level, &of->options, &lights, f[0], f[1], i & 1 ? normal : f + 2, f + 5,
+                                rgb);
+    } else if (i & 1 && sum.values) {
         btf_ref_evaluate_folded(level, &of->options, &sum, f[0], f[1], normal, f + 5, rgb);
     } else {
         btf_ref_evaluate(level, &of->options, f[0], f[1], f + 2, f + 5, rgb);
@@ -167,7 +194,8 @@ btf_result check_folded(const check_subject *subject, uint64_t seed, uint64_t co
     folding of;
     btf_gl_fold *fold = NULL;
     const bool sum =
-        shader.fold == BTF_FOLD_BOTH && (uint64_t)info.width * info.height * SUMMED <= EVALUATIONS * count;
+        shader.fold == BTF_FOLD_SUM || (shader.fold == BTF_FOLD_BOTH &&
+                                        (uint64_t)info.width * info.height * SUMMED <= EVALUATIONS * count);
     btf_result result = choose_folding(&r, subject, &info, sum, &shader, seed, &of);
     const bool begun = result == BTF_OK && (result = check_begin(&altered, body, &session)) == BTF_OK;
     if (begun) {
@@ -192,5 +220,7 @@ btf_result check_folded(const check_subject *subject, uint64_t seed, uint64_t co
     for (int level = 0; level < BTF_MAX_LEVELS; ++level) {
         free(of.sums[level]);
     }
+    btf_free(of.texels[0]);
+    btf_free(of.texels[1]);
     return result;
 }

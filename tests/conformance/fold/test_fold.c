@@ -328,8 +328,24 @@ TEST(plans_fold) {
     assert_true(plan.fold == BTF_FOLD_BOTH && plan.folded_cost == both);
     assert_int_equal(btf_plan_effects(raised, &scene, 0, &plan), BTF_OK); /* neighbours have no sums */
     assert_int_equal(plan.fold, BTF_FOLD_NONE);
-    scene.view = top;
+    scene.view =
+        top; /* a sum under a view that moves: of all lights in one, products of views with their neighbours */
     assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
+    assert_int_equal(plan.fold, BTF_FOLD_SUM);
+    assert_int_equal(plan.fold_bytes, (size_t)plan.views * 4 * 16 * (13 * 7 + 6 * 3 + 3 * 1));
+    assert_true(plan.folded_cost > light_alone && plan.folded_cost < 3 * light_alone &&
+                plan.fold_pixels > 0);
+    const float sum = plan.folded_cost;
+    const double sum_pixels = plan.fold_pixels;
+    scene.lights = 300; /* cost a pixel no more, and are folded one by one */
+    assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
+    assert_true(plan.fold == BTF_FOLD_SUM && plan.folded_cost == sum && plan.cost > 50 * sum);
+    assert_true(fabs(plan.fold_pixels / sum_pixels - 1) < 0.3);
+    scene.folded_pixels = plan.fold_pixels / 2; /* does not pay */
+    assert_int_equal(btf_plan_effects(flat, &scene, 0, &plan), BTF_OK);
+    assert_int_equal(plan.fold, BTF_FOLD_NONE);
+    scene.folded_pixels = 0;
+    assert_int_equal(btf_plan_effects(raised, &scene, 0, &plan), BTF_OK); /* views show other texels */
     assert_int_equal(plan.fold, BTF_FOLD_NONE);
     scene = one;
     scene.lights = 0;

@@ -266,6 +266,63 @@ TEST(gl_and_cpu_add_the_same) {
     btf_material_close(&material);
 }
 
+/* So are sums under a view that moves, of roots and of radiance: two lights at a time, and of an odd number one first. */
+TEST(gl_and_cpu_add_views_the_same) {
+    enum { LIGHTS = 4, SUMS = 2, LEVELS = 3, MOST = 4 * 13 * 7 * 9 * 4 };
+    static uint32_t drawn[SUMS * MOST];
+    static const float light[LIGHTS][3] = {{0.6f, 0, 0.8f}, {-0.28f, 0, 0.96f}, {0, 0, 1}, {0, 0.6f, 0.8f}},
+                       weight[LIGHTS][3] = {
+                           {0.5f, 1, 2}, {3, 0.25f, 0.125f}, {0.7f, 0, 1.3f}, {0.1f, 0.2f, 0.3f}};
+    static const uint32_t counts[2][SUMS] = {{3, 4}, {2, 1}};
+    const gl_api *api = gpu_api(gpu_of_group);
+    for (int kind = 0; kind < 4; ++kind) {
+        synthetic_spec spec = folds_of_roots;
+        spec.blend = kind & 1 ? BTF_BLEND_RADIANCE : BTF_BLEND_ROOTS;
+        btf_material *material = make(&spec);
+        const btf_shader_options shader = {.struct_size = sizeof shader,
+                                           .leave_out = check_fold_left_out(BTF_FOLD_SUM),
+                                           .fold = BTF_FOLD_SUM};
+        btf_gl_options options = gpu_gl_options(gpu_of_group, NULL);
+        btf_gl *textures = NULL;
+        btf_gl_fold *fold = NULL;
+        uint32_t *texels[SUMS] = {NULL};
+        const uint32_t layers = kind & 1 ? 9 : 4 * 9;
+        size_t done = 0;
+        assert_int_equal(btf_gl_upload(material, &options, &folds_log, &textures), BTF_OK);
+        options.shader = &shader;
+        assert_int_equal(btf_gl_fold_create(material, &options, SUMS, &folds_log, &fold), BTF_OK);
+        for (uint32_t number = 0; number < SUMS; ++number) {
+            const uint32_t count = counts[kind / 2][number];
+            assert_int_equal(btf_gl_fold_run_lights(fold, textures, GPU_FIRST_UNIT, number, count, light[0],
+                                                    weight[0], NULL, &folds_log),
+                             BTF_OK);
+            assert_int_equal(btf_material_fold_sum(material, &shader, count, light[0], weight[0],
+                                                   &folds_log, &texels[number]),
+                             BTF_OK);
+        }
+        for (uint32_t level = 0; level < LEVELS; ++level) {
+            btf_ref_material m;
+            reference_view(material, level, &m);
+            const size_t words = (size_t)4 * m.width * m.height * layers;
+            api->BindTexture(GL_TEXTURE_2D_ARRAY, btf_gl_fold_texture(fold));
+            api->GetTexImage(GL_TEXTURE_2D_ARRAY, (GLint)level, GL_RGBA_INTEGER, GL_UNSIGNED_INT, drawn);
+            for (uint32_t number = 0; number < SUMS; ++number) {
+                assert_memory_equal(drawn + number * words, texels[number] + done, words * sizeof *drawn);
+            }
+            done += words;
+        }
+        for (uint32_t number = 0; number < SUMS; ++number) {
+            btf_free(texels[number]);
+        }
+        assert_int_equal(btf_gl_fold_run_lights(fold, textures, GPU_FIRST_UNIT, 0, 0, light[0], weight[0],
+                                                NULL, &folds_log),
+                         BTF_ERROR_USAGE);
+        btf_gl_fold_destroy(&fold);
+        btf_gl_destroy(&textures);
+        btf_material_close(&material);
+    }
+}
+
 /* Calls of the CPU's folds that are wrong, each in one thing. */
 TEST(wrong_rows_are_refused) {
     static const float top[3] = {0, 0, 1};

@@ -29,7 +29,9 @@ enum {
     BOTH_OF_LEVELS,
     NEIGHBOURS_OF_ROOTS,
     NEIGHBOURS_OF_SBRDF,
-    NEIGHBOURS_OF_A_FIXED_VIEW
+    NEIGHBOURS_OF_A_FIXED_VIEW,
+    SUM_OF_ROOTS,
+    SUM_OF_RADIANCE
 };
 #define ONE_UNIT FOLDS_ROOTS, .components = 1, .classes = {{0}, {0}, {1, 1, 0}}
 static const struct {
@@ -62,6 +64,11 @@ static const struct {
      .effects = BTF_EFFECT_RESIDUAL | BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS, .components = 4,
      .directions = SYNTHETIC_RANDOM, .relief = SYNTHETIC_GENTLE, .gloss_share = 2},
      {.interpolation = BTF_INTERPOLATION_LINEAR}, 7},
+    [SUM_OF_ROOTS] = {{ONE_UNIT, .seed = 38, .effects = BTF_EFFECT_RESIDUAL}, {.filter = BTF_FILTER_BILINEAR}, 9},
+    [SUM_OF_RADIANCE] = {{.seed = 39, .width = 11, .height = 5, .n_views = 9, .n_lights = 11,
+     .layout = BTF_LAYOUT_PAPER, .domain = BTF_DOMAIN_SQRT, .colour = BTF_COLOUR_NONE,
+     .effects = BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN | BTF_EFFECT_GAIN | BTF_EFFECT_RESIDUAL,
+     .components = 4, .centres = 40, .directions = SYNTHETIC_RANDOM}, {0}, 9},
 };
 /* clang-format on */
 enum { SUBJECTS = sizeof subjects / sizeof *subjects };
@@ -124,6 +131,34 @@ static const sabotage list[] = {
      "return btf_add(sum, btf_mul(radiance, weight.x));", 1, BOTH_OF_SBRDF},
     {"the sum of level 0 for all", "btf_pass_from), btf_pass_level).xyz", "btf_pass_from), 0).xyz", 1,
      BOTH_OF_LEVELS},
+    {"products read without those of the third view", "    if (views.weight.y > 0u && views.weight.z > 0u)",
+     "    if (false)", 0, SUM_OF_ROOTS},
+    {"products read once", "float(2u * weight.x * weight.y)", "float(weight.x * weight.y)", 0,
+     SUM_OF_ROOTS},
+    {"squares weighed as values", "float(weight * weight)", "float(weight * 4096u)", 0, SUM_OF_ROOTS},
+    {"partners of the first view alone", "        owner = views.y;", "", 0, SUM_OF_ROOTS},
+    {"the second partner for the third", "(partners >> 20u) == b ? 3 : 0", "(partners >> 20u) == b ? 2 : 0",
+     0, SUM_OF_ROOTS},
+    {"partners named by the wrong view", "own[a] = kept.w;", "own[0] = kept.w;", 0, SUM_OF_ROOTS},
+    {"sums that may be negative", "return max(sum, vec3(0.0));", "return sum;", 0, SUM_OF_ROOTS},
+    {"layers of one sum for all, of products", "s.layer = light * 4 * int(BTF_N_VIEWS);", "", 0,
+     SUM_OF_ROOTS},
+    {"sums of products without their scale", "s.n_views, s.layer, s.level), BTF_RADIANCE_SCALE);",
+     "s.n_views, s.layer, s.level), 1.0);", 0, SUM_OF_ROOTS},
+    {"the first sum for every sum of radiance", "#else\n    s.layer = light * int(BTF_N_VIEWS);", "#else\n",
+     0, SUM_OF_RADIANCE},
+    {"small roots kept in products", "return abs(y) >= uintBitsToFloat(BTF_BITS_2_TO_MINUS_30) ? y : 0.0;",
+     "return abs(y);", 1, SUM_OF_ROOTS},
+    {"negative roots left as they are", "vec3 low = max(min(a, b), -high);", "vec3 low = min(a, b);", 1,
+     SUM_OF_ROOTS},
+    {"products that negative roots take all of", "btf_mul(min(low, vec3(0.0)), 0.5)",
+     "btf_mul(min(low, vec3(0.0)), 1.0)", 1, SUM_OF_ROOTS},
+    {"values of another view multiplied", "btf_pass_fetch(btf_pass_other));",
+     "btf_pass_fetch(btf_pass_view));", 1, SUM_OF_ROOTS},
+    {"partners of a view not named", "floatBitsToUint(sum), uint(btf_pass_partners)",
+     "floatBitsToUint(sum), 0u", 1, SUM_OF_ROOTS},
+    {"the sum of radiance begun anew with every light", "if (btf_pass_from >= 0)", "if (btf_pass_from < 0)",
+     1, SUM_OF_RADIANCE},
     {"radiance of the neighbouring texel", "vec3 btf_fold_both(uvec2 x, vec3 l, vec3 v, int level) {",
      "vec3 btf_fold_both(uvec2 x, vec3 l, vec3 v, int level) {\n    x.x ^= 1u;", 1, BOTH_OF_SBRDF},
 };
@@ -165,9 +200,10 @@ static uint64_t differences(int subject) {
     btf_material_get_info(material, &info);
     check_outcome outcome = {0};
     const btf_fold kind = check_fold_kind(&info, subjects[subject].seed, COUNT);
-    assert_int_equal(kind, subject >= NEIGHBOURS_OF_ROOTS ? BTF_FOLD_NEIGHBOURS
-                           : subject >= BOTH_OF_SBRDF     ? BTF_FOLD_BOTH
-                                                          : BTF_FOLD_LIGHT);
+    assert_int_equal(kind, subject >= SUM_OF_ROOTS          ? BTF_FOLD_SUM
+                           : subject >= NEIGHBOURS_OF_ROOTS ? BTF_FOLD_NEIGHBOURS
+                           : subject >= BOTH_OF_SBRDF       ? BTF_FOLD_BOTH
+                                                            : BTF_FOLD_LIGHT);
     const btf_result result = check_folded(&s, subjects[subject].seed, COUNT, &outcome);
     btf_material_close(&material);
     if (result != BTF_OK) {

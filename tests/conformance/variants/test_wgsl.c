@@ -68,7 +68,7 @@ static const char known[] = " abs array binding bitcast bool break clamp const c
                             "group i32 if let log2 loop max min ptr return select struct textureDimensions "
                             "textureLoad texture_2d texture_2d_array "
                             "true u32 uniform var vec2f vec2i vec2u vec3f vec3i vec3u vec4f vec4i vec4u "
-                            "while x y z w xy zw yz xyz yzx zxy xyx yyy yzw ";
+                            "while x y z w xy xz zw yz xyz yzx zxy xyx yyy yzw ";
 
 static int is_known(const word *w) {
     for (const char *p = known; (p = strstr(p + 1, " ")) != NULL && p[1];) {
@@ -216,6 +216,10 @@ static const extra extras[] = {
     {"#define BTF_FOLDED 2\n", "@group(0) @binding(20) var btf_folded: texture_2d_array<u32>;", 0},
     {"#define BTF_FOLDED 3\n",
      "return bitcast<vec3f>(textureLoad(btf_folded, vec2i(x), layer, level).xyz);", 2},
+    {"#define BTF_FOLDED 4\n#define BTF_BLEND_ROOTS 1\n#define BTF_N_VIEWS 81u\n",
+     "fn btf_folded_pair(x: vec2u, layer: i32, level: i32, views: vec2u, own: vec2u, weight: vec2u) -> "
+     "vec3f {",
+     0},
     {"#define BTF_SAMPLING 1\n",
      "fn btf_sample_light(uv: vec2f, v: vec3f, u1: u32, u2: u32, pdf: ptr<function, f32>) -> vec3f {", 0},
     {"#define BTF_FIXED_VIEW 3\n#define BTF_FIXED_VIEW_INDEX uvec3(7u, 5u, 6u)\n"
