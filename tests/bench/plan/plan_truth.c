@@ -33,26 +33,36 @@ static void filtered_texel(const bench_truth *truth, size_t image, uint32_t widt
     }
 }
 
+/* Images whose view and light the scene has. */
+static size_t count_images(const bench_truth *truth, const btf_scene *scene) {
+    size_t images = 0;
+    for (size_t i = 0; i < truth->count; i++) {
+        images += has(&scene->view, &truth->pair[i].view) && has(&scene->light, &truth->pair[i].light);
+    }
+    return images;
+}
+
 size_t plan_truth(const bench_truth *truth, const btf_material *whole, const btf_material *small,
                   const btf_plan *plan, double planned[2], double full[2]) {
-    enum { ODD = 5 }; /* the odd step spreads the texels of successive images */
+    enum { ENOUGH = 50000 }; /* values of all images together */
     const btf_ref_options everything = {BTF_EFFECT_ALL, UINT32_MAX, BTF_REF_LINEAR, BTF_REF_TEXEL},
                           chosen = plan_reference_options(plan);
     btf_ref_material a, b;
-    size_t images = 0, values = 0;
+    size_t values = 0;
     reference_view(whole, plan->level, &a);
     reference_view(small, 0, &b);
-    const size_t texels = (size_t)a.width * a.height, step = plan->level == 0 ? 16 : 1;
     const bool even = truth->count > 0 && (uint32_t)truth->width % a.width == 0 &&
                       (uint32_t)truth->height % a.height == 0;
+    const size_t images = even ? count_images(truth, &plan->scene) : 0;
+    const size_t texels = (size_t)a.width * a.height, all = images * texels,
+                 step = all > 2 * ENOUGH ? all / ENOUGH : 1;
     planned[0] = planned[1] = full[0] = full[1] = 0;
-    for (size_t i = 0; i < truth->count && even; i++) {
+    for (size_t i = 0; i < truth->count && images > 0; i++) {
         const enc_pair *pair = &truth->pair[i];
         if (!has(&plan->scene.view, &pair->view) || !has(&plan->scene.light, &pair->light)) {
             continue;
         }
-        images++;
-        for (size_t t = i * ODD % step; t < texels; t += step, values++) {
+        for (size_t t = i % step; t < texels; t += step, values++) {
             double exact[3];
             filtered_texel(truth, i, a.width, a.height, t, exact);
             const uint32_t column = (uint32_t)t % a.width, row = (uint32_t)t / a.width;
