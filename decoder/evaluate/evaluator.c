@@ -5,7 +5,7 @@
 #include "prepared.h"
 
 #include "arrange.h"
-#include "decoder/fold/partners.h"
+#include "partners.h"
 #include "decoder/result.h"
 #include "kernels.h"
 #include "sound.h"

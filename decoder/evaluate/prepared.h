@@ -44,7 +44,7 @@ struct btf_evaluator {
     int8_t *v;        /* [view][light][k][4], of components: R, G, B, 0 */
     float *scales;    /* [k], of components, times 2^-12 */
     uint32_t
-        *partners; /* [view] codes of decoder/fold/partners.h; NULL where no sums of products are folded */
+        *partners; /* [view] codes of decoder/evaluate/partners.h; NULL where no sums of products are folded */
 
     const struct btfi_kernels *kernels;
     btfi_level levels[BTF_MAX_LEVELS];

@@ -4,8 +4,8 @@
  */
 #include "cpu_fold.h"
 #include "decoder/evaluate/exact.h"
+#include "decoder/evaluate/partners.h"
 #include "decoder/result.h"
-#include "partners.h"
 #include <openbtf/fold.h>
 
 #include <math.h>

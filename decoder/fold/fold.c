@@ -3,9 +3,9 @@
  * SPDX-License-Identifier: MIT
  */
 #include "fold.h"
+#include "decoder/evaluate/partners.h"
 #include "decoder/restrict.h"
 #include "decoder/result.h"
-#include "partners.h"
 
 #include <stdbool.h>
 #include <string.h>

@@ -3,8 +3,8 @@
  * SPDX-License-Identifier: MIT
  */
 #include "gl_fold.h"
+#include "decoder/evaluate/partners.h"
 #include "decoder/result.h"
-#include "partners.h"
 
 #include <stdio.h>
 #include <stdlib.h>

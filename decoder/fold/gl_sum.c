@@ -2,9 +2,9 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "decoder/result.h"
 #include "gl_fold.h"
-#include "partners.h"
+#include "decoder/evaluate/partners.h"
+#include "decoder/result.h"
 
 #include <stdbool.h>
 

@@ -115,9 +115,9 @@ CHANGES = [
     ("a light of a sum that weighs by its red", "fold_sum", [
         ("decoder/fold/cpu_sum.c", "{weight[0], weight[1], weight[2], 0}", "{weight[0], weight[0], weight[2], 0}")]),
     ("edges of the hull that are partners where they go up alone", "fold_sum", [
-        ("decoder/fold/partners.c", "if (a == b || place_of", "if (a >= b || place_of")]),
+        ("decoder/evaluate/partners.c", "if (a == b || place_of", "if (a >= b || place_of")]),
     ("neighbours beyond the hull that are no partners", "fold_sum", [
-        ("decoder/fold/partners.c", "i < views->hull_count; i++", "i < views->hull_count - views->hull_count; i++")]),
+        ("decoder/evaluate/partners.c", "i < views->hull_count; i++", "i < views->hull_count - views->hull_count; i++")]),
     ("a sum that leaves out what two neighbours have together", "fold_sum", [
         ("reference/btf_evaluate.c", "k < 6; ++k) {", "k < 3; ++k) {")]),
     ("the second of two lights added from the values of the first", "fold_gl", [

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#ifndef OPENBTF_FOLD_PARTNERS_H
-#define OPENBTF_FOLD_PARTNERS_H
+#ifndef OPENBTF_EVALUATE_PARTNERS_H
+#define OPENBTF_EVALUATE_PARTNERS_H
 
 #include <openbtf/material.h>
 
