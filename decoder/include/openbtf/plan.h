@@ -57,8 +57,8 @@ typedef struct btf_scene {
 typedef struct btf_plan {
     size_t struct_size; /**< sizeof(btf_plan) */
     btf_scene scene;    /**< the scene that the plan is for */
-    /** For the material and for its restriction, a fixed view or light included. You may set bindings, prefix and
-     * math. */
+    /** For the material and for its restriction, a fixed view or light included. You may set bindings, prefix,
+     * math and filter; the costs below are of the filter that the plan came with, btf_plan_cost() of another. */
     btf_shader_options shader;
     uint32_t effects;             /**< btf_effect bits decoded */
     uint32_t components;          /**< of the residual decoded; units, where its store is factors */
