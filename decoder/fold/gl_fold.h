@@ -42,7 +42,8 @@ btf_result btfi_fold_texture(const btf_gl_fold *fold, uint32_t layers, uint32_t 
 btf_result btfi_fold_program_make(const btfi_gl_functions *api, const char *library, const char *body,
                                   const btf_log *log, btfi_fold_program *out);
 
-/* Makes ready to draw; the program is current from then on. Ends that, and says what GL found wrong. */
+/* The first makes ready to draw, and the program current; the second puts the caller's state back, and says what GL
+ * found wrong. */
 void btfi_fold_begin(const btf_gl_fold *fold, const btfi_fold_program *program, const float view[3],
                      btfi_fold_stage *stage);
 btf_result btfi_fold_end(const btf_gl_fold *fold, btfi_fold_stage *stage, btf_result result,

@@ -223,7 +223,7 @@ static bool collect_layer(const exr_attr_chlist_t *list, int part, const char *n
     return true;
 }
 
-/* Every layer's channels are looked for, which more of them would make slow. */
+/* The channels of each layer are looked for among all, which is slow with more of them. */
 enum { MOST_CHANNELS = 4096 };
 
 /* Refuses a part of too many channels. */
