@@ -28,10 +28,10 @@ const char *btfi_exr_message(exr_result_t code); /* that of the code when there 
 bool btfi_exr_was_out_of_memory(void);           /* OpenEXR goes on without some attributes */
 void btfi_exr_keep_message(exr_const_context_t context, exr_result_t code, const char *message);
 
-/* The type of the channels of a part stored so. */
+/* OpenEXR's type of channels whose values are stored so. */
 exr_pixel_type_t btfi_pixel_type(btfi_storage storage);
 
-/* The half of an integer -128..255. */
+/* The half that holds an integer -128..255. */
 uint16_t btfi_half_from_int(int value);
 /* The integer that a half holds, or INT32_MIN when it holds none. */
 int32_t btfi_int_from_half(uint16_t bits);
