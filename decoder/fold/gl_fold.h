@@ -10,7 +10,8 @@
 
 #pragma GCC visibility push(hidden)
 
-/* A program that folds, 0: none, and the locations of its uniforms; view: the layer, viewer: a direction. */
+/* A program that folds (name 0: none), and the locations of its uniforms, of which `view` is a layer and `viewer` the
+ * direction to the viewer. */
 typedef struct btfi_fold_program {
     uint32_t name;
     int32_t light, view, viewer, level, weight, sum, from, values, other, partners;

@@ -151,9 +151,10 @@ btf_result btf_material_fold_sum(const btf_material *material, const btf_shader_
 
 /** The whole texture `folded`, made on the CPU by one thread, for APIs other than GL to upload. @p light [lights][3]
  * and, where the view is folded too, @p view [lights][3], as in btf_fold_rows; else @p view may be NULL. *out_texels,
- * of btf_fold_bytes() bytes, is freed with btf_free: level by level, finest first, each [light][layer of the
- * light][row][column][4] as in btf_fold_rows. Errors: BTF_ERROR_USAGE (something is missing), BTF_ERROR_UNSUPPORTED
- * (btf_fold_check; a build that does not round as it should), BTF_ERROR_MEMORY; *out_texels is NULL then. */
+ * of btf_fold_bytes() bytes, is freed with btf_free: level by level, finest first; in a level light by
+ * light; of a light layer by layer, each [row][column][4] as in btf_fold_rows. Errors: BTF_ERROR_USAGE (something is
+ * missing), BTF_ERROR_UNSUPPORTED (btf_fold_check; a build that does not round as it should), BTF_ERROR_MEMORY;
+ * *out_texels is NULL then. */
 btf_result btf_material_fold(const btf_material *material, const btf_shader_options *options,
                              uint32_t lights, const float *light, const float *view, const btf_log *log,
                              uint32_t **out_texels);
