@@ -20,8 +20,8 @@ typedef struct btfi_atlas {
 
 /* False when the tiles do not fit. */
 bool btfi_atlas_plan(const btf_material_info *info, uint32_t width, uint32_t height, btfi_atlas *out);
-/* True, and the centre's index, when texel (x, y) of an atlas, outside the tiles, belongs to a centre's
- * column. */
+/* Returns true, and sets the centre's index, where texel (x, y) of an atlas, outside the tiles, belongs to the column
+ * of a centre. */
 bool btfi_atlas_centre_at(const btf_material_info *info, const btfi_atlas *atlas, uint32_t x, uint32_t y,
                           uint32_t *out_centre);
 

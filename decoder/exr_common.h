@@ -21,17 +21,17 @@ extern const char *const btfi_point_words[3];  /* btf_point_store */
 /* "shadow,shift" for a mask of effects; "" for none. size >= 48. */
 void btfi_effects_text(uint32_t effects, char *buffer, size_t size);
 
-/* OpenEXR's last message to this thread: it speaks while it holds the lock of its context, so that its
- * handler cannot ask the context for user data. Cleared before a file is begun. */
+/* OpenEXR's last message to this thread, to be cleared before a file is begun. It is kept for the thread, since OpenEXR
+ * calls the handler while it holds the lock of its context, which the handler then cannot ask for user data. */
 void btfi_exr_clear_message(void);
 const char *btfi_exr_message(exr_result_t code); /* that of the code when there is none */
 bool btfi_exr_was_out_of_memory(void);           /* OpenEXR goes on without some attributes */
 void btfi_exr_keep_message(exr_const_context_t context, exr_result_t code, const char *message);
 
-/* The type of the channels of a part stored so. */
+/* OpenEXR's type of channels whose values are stored so. */
 exr_pixel_type_t btfi_pixel_type(btfi_storage storage);
 
-/* The half of an integer -128..255. */
+/* The half that holds an integer -128..255. */
 uint16_t btfi_half_from_int(int value);
 /* The integer that a half holds, or INT32_MIN when it holds none. */
 int32_t btfi_int_from_half(uint16_t bits);

@@ -43,7 +43,7 @@ static int64_t source_size(exr_const_context_t context, void *user) {
     return (int64_t)((const source *)user)->size;
 }
 
-/* OpenEXR's word on a failure. */
+/* Fails with OpenEXR's own message. */
 static btf_result fail_exr(const btf_log *log, exr_result_t result, const char *what) {
     if (result == EXR_ERR_OUT_OF_MEMORY) {
         return btfi_fail(log, BTF_ERROR_MEMORY, "%s: out of memory", what);

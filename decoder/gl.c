@@ -122,8 +122,7 @@ static btf_result upload(btf_gl *gl, btf_texture_id id, const btf_texture *textu
 /* The levels of a texture as they are uploaded; returns their number. */
 static uint32_t list_levels(const btf_material *material, btf_texture_id id, uint32_t count,
                             uint32_t components, btf_texture *out_levels) {
-    /* Components are stored four a layer, and units in whole layers, so that the first ones are a prefix.
-     */
+    /* Components are stored four a layer, and units in whole layers, so that the first ones are a prefix. */
     const uint32_t groups = (components + 3) / 4;
     for (uint32_t i = 0; i < count; ++i) {
         out_levels[i] = btf_material_level_texture(material, i, id);
@@ -224,7 +223,7 @@ btf_result btf_gl_bind(btf_gl *gl, uint32_t program, uint32_t first_unit, const 
     uint32_t units = 0;
     int32_t current = 0, active = 0, deleted = 0;
     api->GetIntegerv(GL_CURRENT_PROGRAM, &current);
-    if (current) { /* one that is deleted while current ends when another takes its place */
+    if (current) { /* one that was deleted is gone once another is current: it is not put back */
         api->GetProgramiv((uint32_t)current, GL_DELETE_STATUS, &deleted);
     }
     api->GetIntegerv(GL_ACTIVE_TEXTURE, &active);

@@ -78,8 +78,8 @@
     X(GetFloatv, void, (uint32_t name, float *values))                                                     \
     X(PixelTransferf, void, (uint32_t name, float value))
 
-/* Functions that set one of several draw buffers or viewports. Each is NULL where the context has no such state apart: then
- * the function without an index sets all there is. */
+/* Functions that set one of several draw buffers or viewports. Each is NULL where the context has no state for each
+ * of them: then the function without an index sets the one there is. */
 #define BTFI_GL_BUFFER_FUNCTIONS(X)                                                                        \
     X(ColorMaski, void, (uint32_t buffer, uint8_t r, uint8_t g, uint8_t b, uint8_t a))
 #define BTFI_GL_VIEWPORT_FUNCTIONS(X)                                                                      \

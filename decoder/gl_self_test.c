@@ -78,8 +78,9 @@ static btf_result run_with_texture(const btfi_gl_functions *gl, const char *vers
     return result;
 }
 
-/* Four neighbouring pixels fetch from different mip levels, together and while the first of them rests
- * (Mesa's softpipe takes the first one's level for all, what it may be). */
+/* Four neighbouring pixels fetch from different mip levels, first all together, then behind a branch that the first
+ * pixel does not take (Mesa's softpipe fetches for all four from the first pixel's level, even where that one is
+ * masked). */
 static btf_result run_levels(const btfi_gl_functions *gl, const char *version, int32_t unit,
                              const btf_log *log, uint32_t *failures) {
     static const char main_text[] =

@@ -56,7 +56,7 @@ static uint32_t get_effects(btfi_attributes *r, uint32_t known) {
     return effects;
 }
 
-/* A list of at most `most` directions. */
+/* Reads a list of at most `most` directions. */
 static void get_directions(btfi_attributes *r, const char *list, const char *one, size_t most,
                            btfi_directions *d) {
     char name[64];
@@ -180,7 +180,7 @@ static void get_effect_differences(btfi_attributes *r, btf_material *m) {
     }
 }
 
-/* A table of errors between the samples, checked; NULL where the file has none, or it is refused. */
+/* Reads and checks a table of errors between the samples; NULL where the file has none, or it is refused. */
 static const float *get_between_table(btfi_attributes *r, const btf_material_info *info, const char *name,
                                       btfi_between_table where, size_t *out_count) {
     const float *values = btfi_get_floats(r, name, false, 1, 1 << 20, out_count);
@@ -231,7 +231,7 @@ static void get_between_errors(btfi_attributes *r, btf_material *m) {
     memcpy(m->between_errors + count, of_levels + head, (level_count - head) * sizeof *values);
 }
 
-/* Exactly `group` numbers for each of `items`, into *out; nothing may be there when items are 0. */
+/* Reads exactly `group` numbers for each of `items` into *out. Where there are no items, the attribute is refused. */
 static void get_scales(btfi_attributes *r, const char *name, size_t group, uint32_t items,
                        const char *things, float **out) {
     size_t count;
@@ -253,7 +253,7 @@ static void get_scales(btfi_attributes *r, const char *name, size_t group, uint3
     btfi_keep_floats(r, name, scales, count, out, &count);
 }
 
-/* Scales of the residual, whichever its store. */
+/* Reads the scales of the residual, whichever its store. */
 static void get_all_scales(btfi_attributes *r, const btf_material_info *info, btfi_scales *out) {
     const bool factors = info->store == BTF_STORE_FACTORS;
     get_scales(r, "openbtf.residualScales", 1, factors ? 0 : info->components, "components of the residual",
@@ -266,7 +266,7 @@ static void get_all_scales(btfi_attributes *r, const btf_material_info *info, bt
     get_scales(r, "openbtf.factorViews", 9, factors ? info->n_views : 0, "views of factors", &out->view);
 }
 
-/* Version 2: the store of shift and gain. */
+/* Reads how a file of version 2 stores shift and gain. */
 static void get_points(btfi_attributes *r, btf_material_info *info) {
     if (info->version < 2 ||
         !btfi_find_attribute(r, "openbtf.pointStore", EXR_ATTR_STRING, "string", false)) {
@@ -284,7 +284,7 @@ static void get_points(btfi_attributes *r, btf_material_info *info) {
     info->gain_step = step == 0 ? 0 : step;
 }
 
-/* Version 2: the store of the residual and how views are blended. In version 1 such attributes have no
+/* Reads how a file of version 2 stores the residual and how its views are blended. In version 1 such attributes have no
  * meaning. */
 static void get_factors(btfi_attributes *r, btf_material_info *info) {
     const char *const name = "openbtf.factorClasses";
@@ -308,8 +308,8 @@ static void get_factors(btfi_attributes *r, btf_material_info *info) {
     }
 }
 
-/* Version 2: heights and the share of the half vector, once the levels are known. Those of an effect that
- * the file has not are refused. */
+/* Reads heights and the share of the half vector of a file of version 2, once its levels are known. Refuses those of an
+ * effect that the file lacks. */
 static void get_relief(btfi_attributes *r, btf_material_info *info) {
     static const char *const names[] = {"openbtf.reliefBase",  "openbtf.reliefStep", "openbtf.reliefSteps",
                                         "openbtf.reliefLevel", "openbtf.reliefEnd",  "openbtf.glossShare"};
@@ -335,7 +335,7 @@ static void get_relief(btfi_attributes *r, btf_material_info *info) {
     }
 }
 
-/* Version 2: which views relief acts on, 0 or 1 each. */
+/* Reads on which views of a file of version 2 relief acts, 0 or 1 each. */
 static void get_relief_views(btfi_attributes *r, const btf_material_info *info, btfi_scales *out) {
     const char *const name = "openbtf.reliefViews";
     float *acts = NULL;

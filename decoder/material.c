@@ -99,7 +99,7 @@ void btfi_material_finish(btf_material *m) {
                           btf_material_texture(m, BTF_TEXTURE_FACTOR_VIEWS).size +
                           btf_material_texture(m, BTF_TEXTURE_VIEW_VECTORS).size;
     m->info.version = btfi_version(&m->info);
-    if (m->info.version < 2) { /* it would be written so, where no part may be a picture */
+    if (m->info.version < 2) { /* the file would be of version 1, which has no part for it */
         free(m->preview);
         m->preview = NULL;
     }

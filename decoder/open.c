@@ -23,7 +23,7 @@ static btf_result read_file(const char *path, const btf_log *log, uint8_t **out_
     struct stat status;
     if (fstat(fileno(file), &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0 &&
         (uintmax_t)status.st_size < SIZE_MAX / 2) {
-        wanted = (size_t)status.st_size + 1; /* and a byte to see the end by */
+        wanted = (size_t)status.st_size + 1; /* one byte more, so that the end is met without growing */
     }
     btf_result result = BTF_OK;
     for (;;) {

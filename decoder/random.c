@@ -1,4 +1,4 @@
-/* OpenBTF: random numbers of a counter, as the shader has them.
+/* OpenBTF: random numbers of a counter, as the shader has them: PCG3D (source in openbtf/shader.h).
  *
  * SPDX-License-Identifier: MIT
  */

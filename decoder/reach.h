@@ -12,9 +12,9 @@
 
 /* The uses of a record of FORMAT.md section 6, as bits. */
 enum {
-    BTFI_REACH_RECORD = 1,
-    BTFI_REACH_CORNER = 2
-}; /* a triangle or an edge's strip; the cone at its end */
+    BTFI_REACH_RECORD = 1, /* a triangle, or the strip of an edge */
+    BTFI_REACH_CORNER = 2  /* the cone at the end of an edge */
+};
 enum { BTFI_MOST_RECORDS = 4 * BTF_MAX_DIRECTIONS };
 
 typedef struct btfi_reach {
@@ -23,12 +23,12 @@ typedef struct btfi_reach {
     uint32_t count; /* of those kept, at least 1 */
 } btfi_reach;
 
-/* True when the range is one: numbers in order and within bounds. */
+/* True where the numbers of a range are in order and within bounds. */
 bool btfi_range_is_legal(const btf_range *range);
-/* The records that accept some direction of the range, and the directions that they and their tests name.
- * Too many rather than too few: borders count with a margin of two units of the plane. */
+/* Finds the records that accept some direction of the range, and the directions that these records and their tests
+ * name; rather too many than too few, since a margin of two units of the plane around the range belongs to it. */
 void btfi_reach_range(const btfi_directions *directions, const btf_range *range, btfi_reach *out);
-/* A unit vector above the horizon. */
+/* True for a unit vector above the horizon. */
 bool btfi_direction_is_legal(const float direction[3]);
 
 /* Neighbours of weight above 0 first, `count` of them, in the order of the look-up. */

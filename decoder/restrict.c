@@ -168,7 +168,7 @@ btf_result btf_material_restrict(const btf_material *material, const btf_plan *p
     r->desc.struct_size = sizeof r->desc;
     btf_result result = btfi_subset_choose(&material->views, &plan->scene.view, log, &r->views);
     if (result == BTF_OK && plan->effects & material->info.effects & BTF_EFFECT_GLOSS) {
-        btfi_subset_all(&material->lights, &r->lights); /* a neighbour's light may be any */
+        btfi_subset_all(&material->lights, &r->lights); /* gloss may look up any light for a neighbouring view */
     } else if (result == BTF_OK) {
         result = btfi_subset_choose(&material->lights, &plan->scene.light, log, &r->lights);
     }

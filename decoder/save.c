@@ -35,7 +35,7 @@ static btf_result fail_io(const btf_log *log, const char *path, int error) {
     return btfi_fail(log, BTF_ERROR_IO, "%s: %s", path, strerror(error));
 }
 
-/* A device or a pipe is written as it is. */
+/* Writes straight to a device or a pipe, which no file may replace. */
 static btf_result write_special(const btf_log *log, const char *path, const void *data, size_t size) {
     int fd = open(path, O_WRONLY | O_CLOEXEC);
     if (fd < 0) {
@@ -50,7 +50,7 @@ static btf_result write_special(const btf_log *log, const char *path, const void
     return good ? BTF_OK : fail_io(log, path, error);
 }
 
-/* A regular file, or one that does not exist yet. */
+/* Writes a regular file, or one that does not exist yet. */
 static btf_result write_regular(const btf_log *log, const char *path, const void *data, size_t size) {
     char *temporary = NULL;
     const int fd = btfi_temporary_create(path, &temporary);

@@ -1,5 +1,5 @@
-/* Assembles the shader text of a material: its macros, then the embedded library text, names prefixed as asked; in WGSL,
- * what the translator makes of that.
+/* Assembles the shader text of a material: its macros, then the embedded library text, names prefixed as asked; in
+ * WGSL, what the translator makes of that.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -48,7 +48,7 @@ static btf_shader_options read_options(const btf_shader_options *options) {
     if (!all.prefix) {
         all.prefix = "btf";
     }
-    if (all.fold != BTF_FOLD_NONE) { /* there are no neighbours to look up */
+    if (all.fold != BTF_FOLD_NONE) { /* its shader looks up no lights, and of BTF_FOLD_BOTH no views */
         all.fixed &= all.fold == BTF_FOLD_BOTH ? 0u : (uint32_t)BTF_FIXED_VIEW;
     }
     return all;
@@ -186,7 +186,8 @@ static void define_fixed(btfi_growing *t, const char *name, const btfi_direction
                n.weight[2]);
 }
 
-/* Where a fold keeps a fixed view's neighbours, which define_fixed has in another order: those of weight 0 last. */
+/* The layers in which a fold keeps the neighbours of a fixed view: in the order of the look-up, while define_fixed has
+ * those of weight 0 last. */
 static void define_fixed_layers(btfi_growing *t, const btfi_directions *directions,
                                 const float direction[3], int nearest) {
     uint32_t index[3], weight[3], layer[3] = {0, 0, 0}, count = 0;
@@ -199,7 +200,7 @@ static void define_fixed_layers(btfi_growing *t, const btfi_directions *directio
     btfi_print(t, "#define BTF_FIXED_VIEW_LAYER uvec3(%uu, %uu, %uu)\n", layer[0], layer[1], layer[2]);
 }
 
-/* The classes of factors, cut to the first `units` units; then of words, as many as these hold. */
+/* The classes of factors, cut to the first `units` units; words of C1 and C2 are cut to those that these units hold. */
 static void define_classes(btfi_growing *t, const btf_material_info *info, uint32_t units) {
     for (int c = 0; c < BTF_FACTOR_CLASSES; ++c) {
         const uint32_t *of = info->factor_classes[c];

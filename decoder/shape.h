@@ -59,7 +59,7 @@ static inline bool btfi_shares_points(const btf_material_info *info) {
 static inline bool btfi_relief_has_ended(const btf_material_info *info, uint32_t level) {
     return info->effects & BTF_EFFECT_RELIEF && level >= info->relief_end;
 }
-/* Sums of the textures, as info reports them. */
+/* Bytes of all textures of all levels but tables, as btf_material_info reports them. */
 size_t btfi_gpu_bytes(const btf_material_info *info);
 
 #pragma GCC visibility pop

@@ -18,23 +18,24 @@ btf_result btfi_check_effect_errors(const btfi_check *check, const btf_material_
                                     const float *values, size_t count);
 /* How many numbers of a checked table stand in front of its rows. */
 size_t btfi_table_head(const float *values);
-/* The table in numbers that btfi_check_effect_errors checked; one without rows for NULL. */
+/* The table that the numbers hold, which btfi_check_effect_errors has checked; one without rows where they are NULL. */
 btf_effect_errors btfi_effect_errors_of(const float *values, size_t count);
 
-/* Checks the numbers of the attribute openbtf.effectDifferences, which are laid out as those of effectErrors, likewise. */
+/* Likewise checks the numbers of the attribute openbtf.effectDifferences, which are laid out as those of
+ * effectErrors. */
 btf_result btfi_check_effect_differences(const btfi_check *check, const btf_material_info *info,
                                          const float *values, size_t count);
 
-/* Where a table of errors between the samples stands: a material in memory keeps rows of all levels in one; a file keeps
- * those of level 0 in openbtf.betweenErrors, and those of coarser levels in openbtf.levelBetweenErrors, which readers from
- * before it pass over. */
+/* Where a table of errors between the samples stands: a material in memory keeps rows of all levels in one; a file
+ * keeps those of level 0 in openbtf.betweenErrors, and those of coarser levels in openbtf.levelBetweenErrors, which
+ * readers from before it pass over. */
 typedef enum btfi_between_table {
     BTFI_BETWEEN_IN_MEMORY,
     BTFI_BETWEEN_OF_LEVEL_0,
     BTFI_BETWEEN_OF_COARSER_LEVELS
 } btfi_between_table;
 
-/* Checks its numbers likewise: its rows must be of levels that it may hold. */
+/* Likewise checks the numbers of such a table, whose rows must be of levels that it may hold. */
 btf_result btfi_check_between_errors(const btfi_check *check, const btf_material_info *info,
                                      btfi_between_table where, const float *values, size_t count);
 btf_between_errors btfi_between_errors_of(const float *values, size_t count);

@@ -18,7 +18,7 @@ static btf_result check_scale(const btfi_check *check, const char *name, float v
     return btfi_fail(check->log, check->code, "%s %g is not within 2^-24 to 2^24", name, (double)value);
 }
 
-/* Classes of the factors: all 0 where the store is another. */
+/* Checks the classes of factors, which must all be 0 where the residual is stored otherwise. */
 static btf_result check_classes(const btfi_check *check, const btf_material_info *info) {
     const bool factors = info->store == BTF_STORE_FACTORS;
     uint32_t units = 0;
@@ -45,7 +45,8 @@ static btf_result check_classes(const btfi_check *check, const btf_material_info
     return BTF_OK;
 }
 
-/* Packed points, in lists or not, hold both effects and leave no code for hidden points. */
+/* Checks how points are stored. Packed points, in lists or not, hold both shift and gain, and leave no code for hidden
+ * points. */
 static btf_result check_points(const btfi_check *check, const btf_material_info *info) {
     const bool lists = info->point_store == BTF_POINTS_LISTS;
     if (info->point_store != BTF_POINTS_SEPARATE && !btfi_shares_points(info)) {
@@ -83,7 +84,7 @@ static btf_result check_points(const btfi_check *check, const btf_material_info 
     return BTF_OK;
 }
 
-/* Heights of the relief, and the share of the half vector; all 0 without their effects. */
+/* Checks the heights of the relief and the share of the half vector, which must be 0 without their effects. */
 static btf_result check_relief(const btfi_check *check, const btf_material_info *info) {
     const bool relief = info->effects & BTF_EFFECT_RELIEF, gloss = info->effects & BTF_EFFECT_GLOSS;
     const struct {
@@ -262,7 +263,8 @@ static btf_result check_levels(const btfi_check *check, const btf_material_info 
     return BTF_OK;
 }
 
-/* In layout `paper` as well, which has to be convertible to `tight`. */
+/* Checks the number of views or lights. `layers`: each has a layer in the textures of these effects. That counts in
+ * layout `paper` as well, so that btf_material_to_tight can make the layers. */
 static btf_result check_directions(const btfi_check *check, const char *name, uint32_t count, bool layers,
                                    const char *effects) {
     if (count < 1 || count > BTF_MAX_DIRECTIONS) {
@@ -301,7 +303,7 @@ btf_result btfi_check_info(const btfi_check *check, const btf_material_info *inf
         return result;
     }
 
-    if (sizeof(size_t) < 8) { /* 2^40 bytes at most: no wrap with 64 bits */
+    if (sizeof(size_t) < 8) { /* with 64 bits no material wraps: all need fewer than 2^42 bytes */
         double bytes = 0;
         for (uint32_t level = 0; level < info->levels; level++) {
             for (int id = 0; id < BTF_TEXTURE_COUNT; id++) {

@@ -79,7 +79,7 @@ static btf_result check_sbrdf(const values *v, void *data) {
     return BTF_OK;
 }
 
-/* Gain code g and shift bytes of one texel and view. `where` names the texture. */
+/* Checks the gain code and the shift bytes of one texel and view. `where` names the texture. */
 static btf_result check_point(const values *v, const char *where, uint32_t column, uint32_t row,
                               uint32_t view, unsigned g, unsigned b0, unsigned b1) {
     const uint32_t effects = v->info->effects;
@@ -110,7 +110,7 @@ static btf_result check_point(const values *v, const char *where, uint32_t colum
     return BTF_OK;
 }
 
-/* Textures shift and gain of layout tight; either may be NULL. */
+/* Checks textures shift and gain of layout tight, either of which may be NULL. */
 static btf_result check_tight_points(const values *v, const uint8_t *shift, const uint8_t *gain) {
     const uint32_t w = v->info->width, h = v->info->height;
     const btfi_name where = btfi_texture_name(v->level, gain ? BTF_TEXTURE_GAIN : BTF_TEXTURE_SHIFT);
@@ -130,8 +130,8 @@ static btf_result check_tight_points(const values *v, const uint8_t *shift, cons
     return BTF_OK;
 }
 
-/* Indices of lists of points: two views a byte, of which each names an entry. An odd last view has the byte's low
- * half, and the rest is 0. */
+/* Checks the indices of lists of points. A byte has the indices of two views, the first in its low half; where the
+ * number of views is odd, the last high half is 0. */
 static btf_result check_point_indices(const values *v, const uint8_t *data) {
     const uint32_t w = v->info->width, texels = w * v->info->height, entries = v->info->point_entries;
     const btfi_name name = btfi_texture_name(v->level, BTF_TEXTURE_POINT_INDICES);
@@ -160,7 +160,7 @@ static btf_result refuse_meaningless(const values *v, const char *where, size_t 
                      "%s: texel (%zu, %zu) holds %u; it has no meaning and must be 0", where, x, y, value);
 }
 
-/* Texels of `centres`: alpha is 0, and so is what lies beyond centre K. */
+/* Checks the texels of `centres`: alpha is 0, and so is all that lies beyond centre K. */
 static btf_result check_tight_centres(const values *v, const uint8_t *data) {
     btf_texture t = btf_material_texture_shape(v->info, BTF_TEXTURE_CENTRES);
     for (uint32_t y = 0; y < t.height; y++) {
@@ -176,7 +176,7 @@ static btf_result check_tight_centres(const values *v, const uint8_t *data) {
     return BTF_OK;
 }
 
-/* Row `row` of a tile. */
+/* Checks row `row` of a tile. */
 static btf_result check_tile_row(const values *v, uint32_t tile, uint32_t row, const uint8_t *data,
                                  uint32_t x0, uint32_t y) {
     const bool light = tile < v->info->n_lights && v->info->effects & BTF_EFFECT_SHADOW;
@@ -231,7 +231,7 @@ static btf_result check_maps(const values *v, const uint8_t *data) {
     return BTF_OK;
 }
 
-/* Components k and beyond are 0; none is -128. */
+/* Checks codes of components: those from k on are 0, and none is -128. */
 static btf_result check_residual(const values *v, btf_texture_id id, uint32_t layers_a_quad,
                                  const int8_t *data) {
     btf_texture t = btf_material_texture_shape(v->info, id);
@@ -266,7 +266,8 @@ static btf_result check_residual_scales(const values *v, float *data) {
     return BTF_OK;
 }
 
-/* No byte of class 0 is -128: its units come first, one texel each. Codes of fewer bits may be anything. */
+/* Checks that no byte of class 0, whose units come first and take one texel each, is -128. Codes of fewer bits may be
+ * anything. */
 static btf_result check_factors(const values *v, btf_texture_id id, const uint32_t *data) {
     const btf_texture t = btf_material_texture_shape(v->info, id);
     const size_t texels = (size_t)t.width * t.height, words = 4 * texels * v->info->factor_classes[0][0];
@@ -284,7 +285,7 @@ static btf_result check_factors(const values *v, btf_texture_id id, const uint32
     return BTF_OK;
 }
 
-/* `data` holds texels whose first `group` numbers are `count` numbers of an attribute; -0 becomes 0. */
+/* Checks the `count` numbers of an attribute, of which each texel of `data` holds `group`, and turns -0 into 0. */
 static btf_result check_parameters(const values *v, const char *attribute, float *data, size_t group,
                                    size_t count) {
     for (size_t i = 0; i < count; i++) {
@@ -328,7 +329,7 @@ static btf_result check_factor_views(const values *v, float *data) {
     return check_parameters(v, "factorViews", data, 3, 3 * texels);
 }
 
-/* Textures that a level does not have are NULL. */
+/* Checks the textures of a level; those that it does not have are NULL. */
 static btf_result check_level(const values *v, void *const texture[BTF_TEXTURE_COUNT]) {
     btf_result result;
     if (texture[BTF_TEXTURE_SBRDF] && (result = check_sbrdf(v, texture[BTF_TEXTURE_SBRDF]))) {

@@ -40,8 +40,8 @@ static void fetch(btf_decode_counts *n, double count, double bytes) {
     n->bytes += count * bytes;
 }
 
-/* Shift, gain and hidden codes of each view and texel; of factors under a relief the sources of all views are found
- * beforehand, for which the codes are read once more. */
+/* Counts the codes of shift, gain and hidden points of each view and texel. They are read twice where factors are
+ * decoded along a relief, since the sources of all views are found beforehand. */
 static void add_codes(btf_decode_counts *n, const btf_material_info *info, const way *w) {
     const bool shift = w->effects & (BTF_EFFECT_SHIFT | BTF_EFFECT_HIDDEN),
                code = w->effects & (BTF_EFFECT_GAIN | BTF_EFFECT_HIDDEN) ||
@@ -105,9 +105,10 @@ static void add_components(btf_decode_counts *n, const way *w) {
     n->floats += turns * (16 + 32.0 * w->texels);
 }
 
-/* Counts for a class of factors: operations that expand a word of u; that bring up the codes of a word of w (a shift and a mask for
- * each of s shifts), once for all texels; that multiply it with u (products and sums: 2 s - 1); and that take the dot
- * product of a whole unit or of a word out. Class 0 has signed bytes: 7 operations unpack a word. */
+/* Counts for a class of factors of the operations that expand a word of u; that take the codes out of a word of w, once
+ * for all texels (a shift and a mask for each of s shifts); that multiply them with u (products and sums: 2 s - 1); and
+ * that take the dot product of a whole unit, or of a word, out of the sum. Class 0 has signed bytes: 7 operations
+ * unpack a word. */
 typedef struct class_counts {
     uint32_t expand, codes, product, unit, word, layers, tier;
     bool shifted;
@@ -143,8 +144,8 @@ static bool is_apart(const way *w) {
     return w->stochastic || (w->effects & BTF_EFFECT_SHIFT && !(w->effects & BTF_EFFECT_RELIEF));
 }
 
-/* u is fetched and expanded once for all views, but where they have sources of their own: with shift alone view after
- * view, with relief in one round. A tier has three factors of its view, and the channels take 6 operations. */
+/* u is fetched and expanded once for all views, unless these have sources of their own: then view after view with shift
+ * alone, and all in one round with relief. A tier has three factors of its view, and the channels take 6 operations. */
 static void add_factors(btf_decode_counts *n, const btf_material_info *info, const way *w) {
     const bool relief = w->effects & BTF_EFFECT_RELIEF, apart = is_apart(w);
     const uint32_t rounds = apart ? w->views : 1, views = apart ? 1 : w->views;
@@ -168,8 +169,9 @@ static void add_factors(btf_decode_counts *n, const btf_material_info *info, con
     n->floats += 6.0 * w->views * w->texels;
 }
 
-/* The vectors of `views` views. Along a relief the pixel marches once, whichever its filter, and where there are several
- * views each once. Gloss moves the light for each of the views that are evaluated, by 95 operations and a power. */
+/* The vectors of `views` views. Along a relief the pixel marches once, whichever its filter, and where there are
+ * several views each once. Gloss moves the light for each of the views that are evaluated, by 95 operations and a
+ * power. */
 static void add_between(btf_decode_counts *n, const btf_material_info *info, const way *w, uint32_t views) {
     if (w->effects & BTFI_VECTOR_EFFECTS) {
         fetch(n, views, 16);

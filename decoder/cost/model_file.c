@@ -43,7 +43,7 @@ static void skip_space(reader *r) {
     }
 }
 
-/* Takes a character, behind space, if it is the next. */
+/* Skips white space; takes the next character if it is c. */
 static bool take(reader *r, char c) {
     skip_space(r);
     if (r->at == r->end || *r->at != c) {
@@ -58,7 +58,7 @@ static btf_result expected(const reader *r, const char *what) {
                      (size_t)(r->at - r->text), what);
 }
 
-/* The byte that an escape stands for; 0 for one that there is not. Other than ASCII is shown as '?'. */
+/* The byte that an escape stands for, '?' for a character beyond ASCII; 0 for an escape that JSON does not have. */
 static char read_escape(reader *r) {
     static const char names[] = "\"\\/bfnrt", bytes[] = "\"\\/\b\f\n\r\t";
     if (r->at == r->end) {
@@ -81,7 +81,7 @@ static char read_escape(reader *r) {
     return found ? bytes[found - names] : 0;
 }
 
-/* A string, cut off where `out` is full. */
+/* Reads a string, cut off where `out` is full. */
 static btf_result read_string(reader *r, const char *what, char *out, size_t size) {
     size_t length = 0;
     if (!take(r, '"')) {
@@ -111,7 +111,8 @@ static int count_digits(reader *r, double *value) {
     return count;
 }
 
-/* A number, whichever the locale; of more digits than a double has the last bit may be another. */
+/* Reads a number, whatever the locale. Where it has more digits than a double holds, the last bits may differ from
+ * those of the nearest double. */
 static bool read_number(reader *r, double *out) {
     double value = 0, power = 0;
     int decimals = 0;

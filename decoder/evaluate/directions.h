@@ -27,7 +27,7 @@ typedef struct btfi_situation {
     float horizon;    /* m_r; with factors */
 } btfi_situation;
 
-/* Whether there is anything to be seen; else *out_situation stays as it is. */
+/* Returns whether anything is to be seen; where nothing is, *out_situation stays as it is. */
 bool btfi_look_up(const btf_evaluator *evaluator, const btfi_way *way, const float light[3],
                   const float view[3], btfi_situation *out_situation);
 

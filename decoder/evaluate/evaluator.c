@@ -55,7 +55,8 @@ static void find_level(const btf_material *material, uint32_t level, btf_evaluat
     };
 }
 
-/* Partners of views, for sums of lights; views that are too many for them have none. */
+/* Finds the partners of each view, which sums of products need (decoder/fold/partners.h). Where there are too many
+ * views for partners, e->partners stays NULL, and such sums are not supported. */
 static btf_result find_partners(const btf_material *material, btf_evaluator *e) {
     const btf_directions views = btf_material_views(material);
     if (e->info.blend != BTF_BLEND_ROOTS || e->info.colour != BTF_COLOUR_NONE) {

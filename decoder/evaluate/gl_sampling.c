@@ -107,7 +107,7 @@ void btf_gl_light_sampling_bind(btf_gl_light_sampling *sampling, uint32_t progra
     uint32_t units = 0;
     int32_t current = 0, active = 0, deleted = 0;
     api->GetIntegerv(GL_CURRENT_PROGRAM, &current);
-    if (current) { /* as in btf_gl_bind */
+    if (current) { /* a deleted program cannot be put back: as in btf_gl_bind */
         api->GetProgramiv((uint32_t)current, GL_DELETE_STATUS, &deleted);
     }
     api->GetIntegerv(GL_ACTIVE_TEXTURE, &active);

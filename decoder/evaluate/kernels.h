@@ -28,8 +28,8 @@ typedef struct btfi_kernels {
     /* Section 9, residual, of the first k components. */
     void (*components)(const btf_evaluator *evaluator, const btfi_level *level, uint32_t k,
                        const btfi_seen *seen, float out_r[][3]);
-    /* values[i] = pow(values[i], exponents[i]); count is rounded up to a multiple of 8: both arrays must be that long.
-     */
+    /* values[i] = pow(values[i], exponents[i]); count is rounded up to a multiple of 8: both arrays must be that
+     * long. */
     void (*powers)(int count, const float *exponents, float *values);
 } btfi_kernels;
 

@@ -216,7 +216,7 @@ static void blend_shifted(const btf_evaluator *e, const group *g, float values[3
     }
 }
 
-/* Begins the group from evaluation `first` on; false, its output written, where nothing is to be seen. */
+/* Begins the group from evaluation `first` on. Where nothing is to be seen it writes zeros and returns false. */
 static bool begin_group(const btf_evaluator *e, const btfi_way *way, const arguments *in, size_t first,
                         group *g) {
     g->first = first;

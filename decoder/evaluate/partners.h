@@ -17,10 +17,11 @@ enum {
 };
 
 /* For each view a code of up to three partners, partner k in bits 10 k onwards: every two views that a look-up can give
- * together are partners, one of them of the other, and no two are twice. So few are always enough: the edges of a graph
- * that lies in a plane can be directed so that at most three leave each vertex. *out_codes [views->count] is freed with
- * free(). Errors: BTF_ERROR_UNSUPPORTED (more than BTFI_MOST_PARTNERED views; a triangulation that does not lie in a
- * plane), BTF_ERROR_MEMORY; *out_codes is NULL then. */
+ * together are partners, one of them of the other, and no two are twice. So few are always enough: the edges of a
+ * planar graph can be directed so that at most three leave each vertex (M. Chrobak and D. Eppstein, Planar Orientations
+ * with Low Out-degree and Compaction of Adjacency Matrices, 1991). *out_codes [views->count] is freed with free().
+ * Errors: BTF_ERROR_UNSUPPORTED (more than BTFI_MOST_PARTNERED views; a triangulation that does not lie in a plane),
+ * BTF_ERROR_MEMORY; *out_codes is NULL then. */
 btf_result btfi_fold_partners(const btf_directions *views, uint32_t **out_codes);
 
 /* Partner k of a code, or BTFI_NO_PARTNER. */

@@ -66,8 +66,8 @@ static appearance packed(const btf_evaluator *e, const btfi_way *way, const uint
     return seen;
 }
 
-/* Sets gain and shift of a point from a code of the gain and bytes of the shift; where the file does not store them these are 128, 0 and
- * 0. */
+/* How a point is seen whose gain has this code and whose shift has these bytes; for what the file does not store, the
+ * caller hands over 128, 0 and 0. */
 static appearance separate(const btf_evaluator *e, const btfi_way *way, uint32_t code, uint32_t byte0,
                            uint32_t byte1) {
     appearance seen = {false, 0, 0, 0, 1.0f};

@@ -33,8 +33,7 @@ void btfi_find_sources(const btf_evaluator *evaluator, const btfi_level *level, 
                        const btfi_situation *situation, const btfi_points *const points[3],
                        btfi_sources out[3]);
 
-/* L of section 9, or y where the blend is of roots, of each point in each neighbouring view, [view][point].
- */
+/* L of section 9, or y where the blend is of roots, of each point in each neighbouring view, [view][point]. */
 void btfi_view_values(const btf_evaluator *evaluator, const btfi_level *level, const btfi_way *way,
                       const btfi_situation *situation, const btfi_sources sources[3],
                       float out_values[3][BTFI_MOST_POINTS][3]);

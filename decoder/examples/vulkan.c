@@ -36,9 +36,8 @@ static const char shader_body[] =
 static const btf_shader_options options = {
     .struct_size = sizeof options, .bindings = BTF_BINDINGS_VULKAN, .first_binding = FIRST_BINDING};
 
-enum {
-    MOST = 2 * BTF_TEXTURE_COUNT + 2
-}; /* objects of a kind: an image and its staging buffer a texture, two buffers */
+/* The most objects of a kind: an image and its staging buffer for each texture, and two buffers. */
+enum { MOST = 2 * BTF_TEXTURE_COUNT + 2 };
 
 typedef struct gpu {
     VkInstance instance;
@@ -66,7 +65,7 @@ typedef struct buffer {
     void *data;
 } buffer;
 
-/* An example's way with errors: say where, and end. */
+/* Errors of an example: says where, and ends the program. */
 static void check(VkResult result, const char *what) {
     if (result != VK_SUCCESS) {
         fprintf(stderr, "vulkan: %s: error %d\n", what, (int)result);

@@ -16,18 +16,19 @@
 typedef struct sum_row {
     size_t width, layer; /* words of a layer */
     uint32_t *values;    /* [view][column][4] under the light that is added */
-    uint32_t *out;       /* of layer 0; the row of a layer lies so many layers behind */
+    uint32_t *out;       /* the row in layer 0; that in layer i lies i * layer words behind */
 } sum_row;
 
-/* Roots of which the decoder takes nothing, so that no product is too small to be a normal number. */
+/* Sets roots of a magnitude below 2^-30 to 0, which the decoder clamps to 0 as well where one view has all the weight.
+ * So no product of two is too small to be a normal number. */
 static void drop_small(size_t words, uint32_t *values) {
     for (size_t i = 0; i < words; i++) {
         values[i] = fabsf(btfi_float(values[i])) >= 0x1p-30f ? values[i] : 0;
     }
 }
 
-/* What stands for the product of two roots, so that the square of their mean is that of the decoder, which clamps it at 0
- * (openbtf/fold.h). */
+/* The number that stands for the product of two roots (openbtf/fold.h): with it the square of their mean, multiplied
+ * out, is that of the decoder, which clamps the mean at 0. */
 BTFI_INLINE float product_of(float a, float b) {
     const float more = a > b ? a : b, less = a > b ? b : a;
     const float high = more > 0 ? more : 0.0f, low = less > -high ? less : -high;

@@ -134,7 +134,7 @@ btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_opti
     btf_shader_options unfolded = all;
     unfolded.fold = BTF_FOLD_NONE;
     const btf_scene anywhere = {.struct_size = sizeof anywhere, .costs = btfi_costs_of(scene)};
-    /* A pass over a view does a third of what three neighbouring views take. */
+    /* A pass over a view does a third of the work of a pixel, which blends three neighbouring views. */
     const bool of_views = all.fold == BTF_FOLD_LIGHT || all.fold == BTF_FOLD_SUM;
     const double views =
         of_views ? info.n_views / (all.interpolation == BTF_INTERPOLATION_NEAREST ? 1.0 : 3.0) : 1;
@@ -176,11 +176,11 @@ void btfi_fold_plan(const btf_material *material, btf_plan *plan) {
                                                          plan->level, plan->views, plan->lights);
     const float lights = (float)(plan->scene.lights ? plan->scene.lights : 1);
     const btf_fold_costs costs = btf_fold_cost(material, &options, &plan->scene);
-    /* of the restriction: fewer views, fewer texels */
+    /* The restriction has fewer views and fewer texels to fold. */
     const bool of_views = options.fold == BTF_FOLD_LIGHT || options.fold == BTF_FOLD_SUM;
     const double share = (of_views ? (double)small.n_views / info.n_views : 1) *
                          ((double)small.width * small.height) / ((double)info.width * info.height);
-    /* Sums of several lights are read once; other folds are read for each. */
+    /* The sum of several lights is read once; other folds are read once for each light. */
     const float read = options.fold == BTF_FOLD_BOTH || options.fold == BTF_FOLD_SUM ? 1 : lights;
     const double saved = (double)(costs.unfolded * lights) - (double)(costs.folded * read);
     const double pixels = (saved > 0 ? costs.pass * (double)lights / saved : 1e30) * share;

@@ -19,7 +19,7 @@ static const uint32_t capabilities[] = {
     GL_CLIP_DISTANCE0 + 7, GL_POLYGON_STIPPLE,    GL_ALPHA_TEST,
 };
 _Static_assert(sizeof capabilities / sizeof *capabilities == BTFI_CAPABILITY_COUNT, "one flag each");
-enum { COMPATIBILITY_CAPABILITIES = 2, DESKTOP_CAPABILITIES = 9 }; /* so many of them, from the end */
+enum { COMPATIBILITY_CAPABILITIES = 2, DESKTOP_CAPABILITIES = 9 }; /* counted from the end of the list */
 static const uint32_t pack_names[BTFI_PACK_COUNT] = {GL_PACK_SWAP_BYTES, GL_PACK_ROW_LENGTH,
                                                      GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS};
 
@@ -28,7 +28,7 @@ static int capability_count(const btfi_gl_functions *gl) {
            (gl->is_es ? DESKTOP_CAPABILITIES : 0);
 }
 
-/* The scissor test is that of the first viewport, where each has its own. */
+/* True for the scissor test where each viewport has its own: then that of the first one is meant. */
 static bool is_indexed(const btfi_gl_functions *gl, uint32_t capability) {
     return capability == GL_SCISSOR_TEST && gl->ViewportIndexedf;
 }

@@ -21,8 +21,8 @@ typedef struct btfi_gl_state {
     btfi_gl_unpack unpack;
 } btfi_gl_state;
 
-/* Saves the state in *s and sets that which drawing into integer textures needs; restores it. Of draw buffers and viewports
- * the first alone is touched, where the context has a state for each. */
+/* The first saves the state in *s and sets what drawing into integer textures needs; the second restores it. Where the
+ * context has a state for each draw buffer or viewport, only that of the first one is touched. */
 void btfi_gl_save_state(const btfi_gl_functions *gl, btfi_gl_state *s);
 void btfi_gl_restore_state(const btfi_gl_functions *gl, const btfi_gl_state *s);
 

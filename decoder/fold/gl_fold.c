@@ -51,7 +51,7 @@ btf_result btfi_fold_texture(const btf_gl_fold *f, uint32_t layers, uint32_t *ou
                          f->width, f->height, layers, side, most_layers);
     }
     api->GetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &bound);
-    btfi_gl_save_unpack(api, &unpack); /* a bound buffer would be read from */
+    btfi_gl_save_unpack(api, &unpack); /* else GL would read texels from a bound unpack buffer */
     api->GenTextures(1, out_texture);
     api->BindTexture(GL_TEXTURE_2D_ARRAY, *out_texture);
     api->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER,
@@ -107,7 +107,7 @@ static btf_result make_pass(btf_gl_fold *f, const btf_material *material, const 
                                          [BTF_FOLD_SUM] = light_text};
     btf_shader_options pass = btf_fold_pass(shader);
     char *library = NULL;
-    pass.have_precise = 0; /* the newest version says */
+    pass.have_precise = 0; /* the pass is in the newest GLSL of the context: __VERSION__ decides */
     pass.prefix = NULL;
     pass.bindings = BTF_BINDINGS_NONE;
     pass.language = BTF_LANGUAGE_GLSL;
@@ -275,7 +275,7 @@ void btf_gl_fold_bind(btf_gl_fold *fold, uint32_t program, uint32_t unit, const 
     int32_t current = 0, active = 0, deleted = 0;
     snprintf(name, sizeof name, "%.48s_folded", prefix ? prefix : "btf");
     api->GetIntegerv(GL_CURRENT_PROGRAM, &current);
-    if (current) { /* one that is deleted while current ends when another takes its place */
+    if (current) { /* one that was deleted is gone once another is current: it is not put back */
         api->GetProgramiv((uint32_t)current, GL_DELETE_STATUS, &deleted);
     }
     api->GetIntegerv(GL_ACTIVE_TEXTURE, &active);

@@ -10,7 +10,8 @@
 
 #pragma GCC visibility push(hidden)
 
-/* A program that folds, 0: none, and the locations of its uniforms; view: the layer, viewer: a direction. */
+/* A program that folds (name 0: none), and the locations of its uniforms, of which `view` is a layer and `viewer` the
+ * direction to the viewer. */
 typedef struct btfi_fold_program {
     uint32_t name;
     int32_t light, view, viewer, level, weight, sum, from, values, other, partners;
@@ -42,7 +43,8 @@ btf_result btfi_fold_texture(const btf_gl_fold *fold, uint32_t layers, uint32_t 
 btf_result btfi_fold_program_make(const btfi_gl_functions *api, const char *library, const char *body,
                                   const btf_log *log, btfi_fold_program *out);
 
-/* Makes ready to draw; the program is current from then on. Ends that, and says what GL found wrong. */
+/* The first makes ready to draw, and the program current; the second puts the caller's state back, and says what GL
+ * found wrong. */
 void btfi_fold_begin(const btf_gl_fold *fold, const btfi_fold_program *program, const float view[3],
                      btfi_fold_stage *stage);
 btf_result btfi_fold_end(const btf_gl_fold *fold, btfi_fold_stage *stage, btf_result result,

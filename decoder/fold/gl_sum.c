@@ -8,7 +8,8 @@
 
 #include <stdbool.h>
 
-/* The pass that adds one light to the sum of those before, which lies in a layer of another texture (or there is none). */
+/* The pass that adds one light to the sum of those before, which lies in a layer of another texture (or there is
+ * none). */
 static const char sum_text[] =
     "uniform highp vec3 btf_pass_light, btf_pass_viewer, btf_pass_weight;\n"
     "uniform highp int btf_pass_level, btf_pass_from;\n"
@@ -24,8 +25,8 @@ static const char sum_text[] =
     "    btf_pass_value = uvec4(floatBitsToUint(btf_fold_add(sum, value, btf_pass_weight)), 0u);\n"
     "}\n";
 
-/* The pass that adds one light to the sum of those before in a layer of a view, or of a view and its partner: what they show
- * lies in layers of a texture of values. */
+/* The pass that adds one light to the sum of those before in a layer of a view, or of a view and its partner: what they
+ * show lies in layers of a texture of values. */
 static const char views_text[] =
     "uniform highp vec3 btf_pass_weight;\n"
     "uniform highp int btf_pass_level, btf_pass_from, btf_pass_view, btf_pass_other, btf_pass_partners;\n"
@@ -78,7 +79,7 @@ static btf_result draw_sum(const btf_gl_fold *f, uint32_t other, uint32_t unit, 
 /* What is drawn while lights are added up under a view that moves. */
 typedef struct view_sum {
     uint32_t values, other; /* textures: what two lights show in each view; a layer of sums */
-    uint32_t unit, number;  /* of the texture of sums, values in the next; the sum */
+    uint32_t unit, number;  /* that of sums, while values are in the next one; which sum of the fold */
 } view_sum;
 
 /* Draws what a light shows in all views, as the first or second of two. */

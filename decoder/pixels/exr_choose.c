@@ -135,7 +135,8 @@ static int find(const exr_attr_chlist_t *list, const char *layer, const char *na
     return -1;
 }
 
-/* The picture that a layer holds, if any. Luminance beside half of its chroma is none: it would be grey. */
+/* Finds the picture that a layer holds, if any. Luminance with only one of its two channels of chroma is none: it would
+ * come out grey. */
 static bool picture_of(const exr_attr_chlist_t *list, exr_choice *choice) {
     static const struct {
         exr_kind kind;
@@ -223,7 +224,7 @@ static bool collect_layer(const exr_attr_chlist_t *list, int part, const char *n
     return true;
 }
 
-/* Every layer's channels are looked for, which more of them would make slow. */
+/* The channels of each layer are looked for among all, which is slow with more of them. */
 enum { MOST_CHANNELS = 4096 };
 
 /* Refuses a part of too many channels. */
@@ -260,7 +261,7 @@ static bool collect(exr_const_context_t context, choices *all) {
     return true;
 }
 
-/* Parts and channels, cut off where there is no more room. */
+/* Lists parts and channels for a message, cut off where there is no more room. */
 static void list_all(exr_const_context_t context, char *out, size_t size) {
     int parts = 0;
     size_t used = 0;

@@ -63,7 +63,8 @@ static size_t number(const unsigned char *p) {
     return (size_t)p[0] << 24 | (size_t)p[1] << 16 | (size_t)p[2] << 8 | p[3];
 }
 
-/* Version 2: counted ASCII; version 4: records of UTF-16, of which the first is taken. */
+/* Reads the text of a tag: counted ASCII in profiles of version 2; in those of version 4 records of UTF-16, of which it
+ * takes the first. */
 static void read_text(const unsigned char *tag, size_t size, char *out, size_t out_size) {
     size_t used = 0;
     if (size > 12 && memcmp(tag, "desc", 4) == 0) {
@@ -81,7 +82,7 @@ static void read_text(const unsigned char *tag, size_t size, char *out, size_t o
     out[used] = '\0';
 }
 
-/* The data of a tag; NULL. */
+/* The data of a tag; NULL where the profile has none of that name. */
 static const unsigned char *find_tag(const unsigned char *data, size_t size, const char *name,
                                      size_t *out_size) {
     if (size < 132) {

@@ -71,10 +71,10 @@ void image_note(image_info *info, image_note_kind kind, const char *format, ...)
  * `converts`, those that span no space leave a note. */
 void image_info_primaries(image_info *info, const char *source, const primaries *p);
 
-/* Takes the colour profile (ICC) that a file of `format` ("PNG") embeds: one whose description names sRGB,
- * and not linear, and whose curves and primaries are not other ones, sets that transfer function, any other
- * leaves a note that names it. data[size]: the
- * profile, which may be damaged; name: the file's own for it, for one without a description; may be NULL. */
+/* Takes the colour profile (ICC) that a file of `format` ("PNG") embeds. One whose description names sRGB, and not
+ * linear, and whose curves and primaries are not other ones, sets that transfer function; any other leaves a note that
+ * names it. data[size]: the profile, which may be damaged. name: the file's name of it, for a profile without a
+ * description; may be NULL. */
 void image_info_profile(image_info *info, const char *format, const unsigned char *data, size_t size,
                         const char *name);
 

@@ -79,7 +79,7 @@ bool primaries_to_xyz(const primaries *p, double out[9]) {
     return true;
 }
 
-/* XYZ under one white to XYZ under another. */
+/* The matrix from XYZ under one white to XYZ under another, by the Bradford transform (K. M. Lam, 1985). */
 static bool bradford(const double from[2], const double to[2], double out[9]) {
     static const double cones[9] = {0.8951, 0.2664, -0.1614, -0.7502, 1.7135,
                                     0.0367, 0.0389, -0.0685, 1.0296};

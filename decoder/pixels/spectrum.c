@@ -38,6 +38,7 @@ static double illuminant(int nm, bool emission) {
 }
 
 void spectrum_weights(const double *nm, size_t count, bool emission, float (*weights)[3]) {
+    /* XYZ to linear RGB of Rec. 709 under D65. */
     static const double to_rgb[9] = {3.24096994190,  -1.53738317757, -0.49861076029,
                                      -0.96924363628, 1.87596750151,  0.04155505741,
                                      0.05563007970,  -0.20397695889, 1.05697151424};

@@ -13,7 +13,7 @@
  * colour matching functions of CIE 1931, 2 degrees, as fitted by Wyman, Sloan and Shirley (JCGT 2(2), 2013,
  * multi-lobe), and
  *  - under D65, where `emission` is false (reflectance, the share of light that comes back): a spectrum
- * that is 1 everywhere becomes (1, 1, 1);
+ *    that is 1 everywhere becomes (1, 1, 1);
  *  - as it is, where it is true (light): scaled so that a spectrum that is 1 everywhere has Y = 1.
  * count >= 1. */
 void spectrum_weights(const double *nm, size_t count, bool emission, float (*weights)[3]);

@@ -31,7 +31,7 @@ static btf_decode_counts counts_of(const btf_material *material, const btf_mater
     uint32_t none;
     count_directions(&material->views, o, BTF_FIXED_VIEW, o->fixed_view, scene ? &scene->view : NULL,
                      &around.views, &around.skipped);
-    /* With gloss a light that is fixed has neighbours that are not. */
+    /* With gloss each view looks up lights of its own, even where the light is fixed. */
     count_directions(&material->lights, o,
                      info->effects & ~o->leave_out & BTF_EFFECT_GLOSS ? 0 : BTF_FIXED_LIGHT, o->fixed_light,
                      NULL, &around.lights, &none);

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/* The growth of the error against the data of a share's kind. */
+/* How much the error against the data grows, at directions of a kind, by decoding as `row` says. */
 static void growth_of_data(const btfi_error_table *t, const float *row, const float *full,
                            btfi_row_kind kind, double growth[2]) {
     double with[2] = {0, 0}, less[2] = {0, 0};
@@ -20,7 +20,7 @@ static void growth_of_data(const btfi_error_table *t, const float *row, const fl
     }
 }
 
-/* The mean squared difference to the full decode of a share's kind; false where the file does not say. */
+/* The mean squared difference to the full decode at directions of a kind; false where the file does not say. */
 static bool find_difference(const btfi_error_table *t, const float *row, btfi_row_kind kind,
                             double out[2]) {
     const bool nearest = btfi_kind_of(row) == BTFI_ROW_NEAREST;
@@ -85,7 +85,8 @@ static bool find_row_between(const btf_material *material, const btf_scene *scen
     return weight > 0;
 }
 
-/* What is left out, in the numbers of rows. */
+/* The first number of a row of btf_between_errors as bits: samples that are left out, and effects that are not
+ * decoded. */
 enum { VIEW = 1, LIGHT = 2, BOTH = 3, NO_RELIEF = 4, NO_GLOSS = 8 };
 
 bool btfi_find_between(const btf_material *material, const btf_scene *scene, const btfi_error_table *t,

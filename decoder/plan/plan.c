@@ -45,7 +45,8 @@ static bool is_within_limit(float x) {
     return x >= 0 && x <= 1e6f;
 }
 
-/* Effects that change nothing at the samples, and the sets of them: the numbers of sets times BTF_EFFECT_RELIEF. */
+/* BETWEEN: the effects that change nothing at the samples. They have LACKS subsets, of which subset i is the mask
+ * i * BTF_EFFECT_RELIEF. */
 enum { BETWEEN = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS, LACKS = 4 };
 
 /* Some of these effects that a plan may do without, and the share by which the error grows for it. */
@@ -104,8 +105,8 @@ static void plan_all(const btf_material *material, const btf_scene *scene, uint3
     fill_costs(material, views, lights, plan);
 }
 
-/* Squared errors of decoding and of interpolation add up. Without relief or gloss the half of the error grows that
- * btfi_errors_to_tolerate takes for the true one. */
+/* Squared errors of decoding and of interpolation add up. Without relief or gloss only that half of the error grows
+ * which btfi_errors_to_tolerate takes for the true one. */
 static void fill_between(const btf_material *material, const btfi_error_table *t, const btfi_way *chosen,
                          const double lack[2], btf_plan *plan) {
     double mse[2], of_plan[2];
@@ -147,8 +148,9 @@ typedef struct search {
     lacking lack[LACKS];
 } search;
 
-/* Fills in what the tables tell of relief and gloss left out, alone and together, whose shares add up. What the material
- * does not hold, what is idle, and what is not known is not left out. */
+/* Fills in how much the error grows without relief, without gloss and without both, where the growths add up. It is
+ * not known, and no such plan is tried, of an effect that the material lacks, that is idle, which every plan leaves out
+ * anyway, or of which the tables tell nothing. */
 static void find_lacks(const btf_material *material, const btf_scene *scene, const btfi_error_table *t,
                        uint32_t level, uint32_t idle, lacking lack[LACKS]) {
     const uint32_t acting = material->info.effects & BETWEEN & ~idle;
@@ -165,8 +167,8 @@ static void find_lacks(const btf_material *material, const btf_scene *scene, con
     }
 }
 
-/* The error against the data of a way that decodes relief and gloss, where it does not decode some of `effects`: it changes as
- * that of the full decode does, where that was measured. Returns whether it was. */
+/* Turns mse[], the error against the data of a way that decodes relief and gloss, into that of the way without
+ * `effects`: it changes by as much as the error of the full decode. Returns false where that was not measured. */
 static bool leave_out(const btf_material *material, const btfi_error_table *t, uint32_t level,
                       const btfi_way *full, uint32_t effects, double mse[2]) {
     const btf_material_info *info = &material->info;
@@ -182,8 +184,8 @@ static bool leave_out(const btf_material *material, const btfi_error_table *t, u
     return true;
 }
 
-/* Tries the way of a row with relief and gloss, and without: *best becomes the cheapest plan within the tolerance, *chosen its
- * way and *lack what it does without. */
+/* Tries the way of a row with relief and gloss, and without: *best becomes the cheapest plan within the tolerance,
+ * *chosen its way and *lack what it does without. */
 static void try_row(const search *s, const float *row, btf_plan *best, btfi_way *chosen,
                     const lacking **lack) {
     btfi_way way = btfi_read_way(&s->table, row);
@@ -227,7 +229,7 @@ btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, 
     const float *row = btfi_find_row(&t.errors, plan->level, effects, components, kind),
                 *full = btfi_find_row(&t.errors, plan->level, info->effects, info->components,
                                       BTFI_ROW_BETWEEN);
-    /* Other rows are of relief and gloss decoded, as they are where they are idle. */
+    /* Without such a row, that of the same way with relief and gloss counts. */
     const uint32_t lacks = row ? 0 : info->effects & BETWEEN & ~effects;
     row = row ? row : btfi_find_row(&t.errors, plan->level, effects | lacks, components, kind);
     if (!row || !full) {

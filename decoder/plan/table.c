@@ -23,8 +23,8 @@ void btfi_band_weights(const btf_range *range, uint32_t count, const float *limi
     if (range->fixed) {
         low = high = acos(fmin(range->direction[2], 1)) / DEGREE;
     }
-    /* Beyond the outermost ring there is nothing to be measured by: it counts there too, but for no more.
-     */
+    /* Nothing is measured beyond the outermost ring, so the outermost band counts there, too, but with no more than its
+     * own solid angle. */
     low = fmin(low, limits[count]);
     high = fmax(fmin(high, limits[count]), low);
     for (uint32_t b = 0; b < count; b++) {
@@ -42,7 +42,8 @@ static const float *row_at(const btfi_rows *rows, uint32_t index) {
     return rows->table.rows + (size_t)index * rows->table.row_stride;
 }
 
-/* The slot of all kinds of rows of one way to decode. */
+/* The slot of all kinds of rows of one way to decode: multiplicative hashing (Knuth, The Art of Computer Programming 3,
+ * 6.4), by a prime near 2^32 over the golden ratio; the top 10 bits number the 1024 slots. */
 static uint32_t slot_of(uint32_t level, uint32_t effects, uint32_t components) {
     return ((level * 128 + effects) * 509 + components) * 2654435761u >> 22;
 }
@@ -100,8 +101,8 @@ void btfi_add_errors(const btfi_error_table *t, const float *row, double mse[2])
     }
 }
 
-/* Between samples the errors of up to nine samples average out, so that they are less than at the samples:
- * the geometric mean of what is measured for both, by how near view and light are to being samples. */
+/* Between samples the errors of up to nine samples average out, so that they are less than at the samples. The error is
+ * the geometric mean of those measured for both, weighted by how near view and light are to being samples. */
 btfi_way btfi_read_way(const btfi_error_table *t, const float *row) {
     const bool nearest = btfi_kind_of(row) == BTFI_ROW_NEAREST;
     btfi_way way = {.effects = (uint32_t)row[0],

@@ -14,18 +14,19 @@
 
 /* Which directions a row compares at: its third number. */
 typedef enum btfi_row_kind {
-    BTFI_ROW_BETWEEN,  /* interpolated */
-    BTFI_ROW_NEAREST,  /* likewise, decoded by the nearest */
+    BTFI_ROW_BETWEEN,  /* any, decoded by interpolation */
+    BTFI_ROW_NEAREST,  /* the same, decoded by the nearest samples */
     BTFI_ROW_SAMPLES,  /* view and light are samples */
     BTFI_ROW_AT_VIEW,  /* the view is a sample, the light is interpolated */
-    BTFI_ROW_AT_LIGHT, /* the light is one */
+    BTFI_ROW_AT_LIGHT, /* the light is a sample, the view is interpolated */
     BTFI_ROW_KINDS
 } btfi_row_kind;
 
 enum { BTFI_ROW_SLOTS = 1024 };
 
 /* Rows by what was decoded, so that each is found without a look at the others: of those of a slot, first[slot] is the
- * number of the last plus 1, next[row] likewise of the one before it; 0: no more. Of rows that say the same way the first counts. */
+ * number of the last plus 1, next[row] likewise of the one before it; 0: no more. Of several rows of the same way to
+ * decode the first counts. */
 typedef struct btfi_rows {
     btf_effect_errors table;
     uint16_t first[BTFI_ROW_SLOTS], next[BTFI_MOST_EFFECT_ROWS];
@@ -75,11 +76,11 @@ void btfi_find_shares(const btfi_error_table *table, double share[BTFI_SHARES]);
 /* The kind of row that each of the shares is measured by. */
 extern const btfi_row_kind btfi_share_kinds[BTFI_SHARES];
 
-/* The way of a row that is of interpolated or nearest directions, but for its growth. */
+/* The way that a row of kind BTFI_ROW_BETWEEN or BTFI_ROW_NEAREST describes; its growth is not filled in. */
 btfi_way btfi_read_way(const btfi_error_table *table, const float *row);
 
-/* The share of a range's solid angle that each of `count` bands has; the outermost band goes on to the horizon, the first
- * to the pole. */
+/* The share of a range's solid angle that each of `count` bands has; the outermost band goes on to the horizon, the
+ * first to the pole. */
 void btfi_band_weights(const btf_range *range, uint32_t count, const float *limits,
                        double weight[BTF_MAX_BANDS]);
 

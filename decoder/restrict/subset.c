@@ -32,7 +32,7 @@ static int compare_triangles(const void *a, const void *b) {
     return p[2] - q[2];
 }
 
-/* In a list that was triangulated here, which is sorted. */
+/* Whether a list has a triangle. It must have been triangulated by btfi_triangulate, which sorts triangles. */
 static bool has_triangle(const btfi_directions *d, const uint16_t corner[3]) {
     return d->triangle_count > 0 && bsearch(corner, d->triangles, d->triangle_count,
                                             3 * sizeof *d->triangles, compare_triangles) != NULL;

@@ -23,7 +23,7 @@ static uint8_t atlas_byte(const btf_material *m, uint32_t i, size_t t, size_t ch
                 .data)[4 * (y * m->info.atlas_width + x) + channel];
 }
 
-/* Shift bytes and code of a packed point. */
+/* Takes a packed point apart: gain code, then the two bytes of the shift. */
 static void read_point(const uint8_t point[2], uint8_t out[3]) {
     const unsigned p = point[0] + 256u * point[1];
     out[0] = (uint8_t)(p >> 12);
@@ -45,7 +45,7 @@ static const uint8_t *packed_point(const btfi_restriction *r, uint32_t level, si
     return (const uint8_t *)whole_data(r, level, BTF_TEXTURE_POINT_LISTS) + 2 * (entry * texels + t);
 }
 
-/* A packed point whose shift and gain code are 0 where the plan leaves that effect out. */
+/* Copies a packed point, with a shift or a gain code of 0 where the plan leaves that effect out. */
 static void copy_point(const btfi_restriction *r, const uint8_t *from, uint8_t *to) {
     const unsigned p = from[0] + 256u * from[1], shift = r->shift ? p & 0xFFF : 32 << 6 | 32;
     const unsigned point = shift | (r->gain ? p & 0xF000 : 0);
@@ -79,7 +79,7 @@ static void fill_point_indices(const btfi_restriction *r, uint32_t level, size_t
     }
 }
 
-/* Gain code and shift bytes as stored: (128, 0, 0) where they are not. */
+/* Reads gain code and shift bytes as they are stored; 128 and 0, 0 stand for those that are not. */
 static void read_codes(const btfi_restriction *r, uint32_t level, uint32_t view, size_t t, size_t texels,
                        uint8_t out[3]) {
     const btf_material_info *info = &r->whole->info;
@@ -159,7 +159,7 @@ static void fill_shadow(const btfi_restriction *r, uint32_t level, size_t texels
     }
 }
 
-/* Shift bytes (two a point) or gain codes (one). */
+/* Fills a texture of shift bytes, two a point, or of gain codes, one a point. */
 static void fill_codes(const btfi_restriction *r, uint32_t level, size_t texels, bool shift, uint8_t *out) {
     for (uint32_t v = 0; v < r->views.count; v++) {
         for (size_t t = 0; t < texels; t++) {
@@ -198,7 +198,7 @@ static void fill_centres(const btfi_restriction *r, const btf_texture *shape, ui
     }
 }
 
-/* Texel components or direction components: `pairs` of four bytes, of which component `first` on stay 0. */
+/* Copies components of texels or of directions, four bytes each time, of which those from `count` on stay 0. */
 static void copy_quads(const int8_t *in, size_t pairs, uint32_t count, int8_t *out) {
     for (size_t i = 0; i < pairs; i++) {
         memcpy(out + 4 * i, in + 4 * i, count < 4 ? count : 4);
@@ -230,7 +230,7 @@ static void fill_residual(const btfi_restriction *r, uint32_t level, btf_texture
     }
 }
 
-/* Units of kept views and lights, and the factors of kept views: 16 bytes a texel. */
+/* Copies the units of kept views and lights, or the factors of kept views: 16 bytes a texel. */
 static void fill_factors(const btfi_restriction *r, btf_texture_id id, const btf_texture *shape,
                          uint8_t *out) {
     const btf_texture whole = btf_material_texture(r->whole, id);

@@ -21,8 +21,8 @@ typedef struct btfi_restriction {
     void *made[BTF_MAX_LEVELS][BTF_TEXTURE_COUNT]; /* [level of the restriction] */
 } btfi_restriction;
 
-/* Makes the textures that desc.info, views and lights call for, and points desc at them. Counts the centres that are left
- * in desc.info.centres, which holds the number of the whole before. Errors: BTF_ERROR_MEMORY. */
+/* Makes the textures that desc.info, views and lights call for, and points desc at them. Counts the centres that are
+ * left in desc.info.centres, which holds the number of the whole before. Errors: BTF_ERROR_MEMORY. */
 btf_result btfi_restriction_fill(btfi_restriction *restriction, const btf_log *log);
 
 /* Frees the textures and the numbers of centres. */

@@ -27,9 +27,9 @@ extern "C" {
 typedef struct btf_decode_counts {
     double pixels;   /**< 1 */
     double look_ups; /**< of a direction's neighbours, whose fetches depend on the direction: no other count has them */
-    double points;   /**< texels that are shown: neighbouring views times 1 or 4 texels. Each is scaled, clamped, blended */
+    double points;   /**< texels that are shown, neighbouring views times 1 or 4: each is scaled, clamped, blended */
     double moves;    /**< points found along a relief: of the pixel, and of each neighbouring view */
-    double steps;    /**< fetches of heights, were no march to end before it has gone all the way down; most end early */
+    double steps;    /**< fetches of heights, if every march went all the way down; most end earlier */
     double fetches;  /**< texels of all textures but the direction tables and the heights */
     double bytes;    /**< of these texels */
     double integers; /**< operations on integers; a shift, a mask, a product, a sum and a conversion are one each */
@@ -37,8 +37,8 @@ typedef struct btf_decode_counts {
     double masked;   /**< of both, those behind the branch that passes over a view of weight 0: they count once more */
 } btf_decode_counts;
 
-/** @return the counts of a material decoded as @p options say (NULL: everything), the value of options->fold included. A
- * fixed direction counts as a sample, which has one neighbour. Hidden points are counted with what stands in their
+/** @return the counts of a material decoded as @p options say (NULL: everything), the value of options->fold included.
+ * A fixed direction counts as a sample, which has one neighbour. Hidden points are counted with what stands in their
  * place, as hardware does that carries out both branches. */
 btf_decode_counts btf_count_decode(const btf_material_info *info, const btf_shader_options *options);
 
@@ -79,10 +79,10 @@ const btf_cost_model *btf_cost_model_builtin(void);
 double btf_cost_of(const btf_decode_counts *counts, const btf_cost_model *model);
 
 /** Reads prices from the text of a file, @p size bytes at @p text: one JSON object with "openbtf_costs": 1, the version
- * of this layout; each price by its name in BTF_COST_LIST, from 0 to 1e6, at least one of which is
- * above 0; and, where wanted, "device" (a string) and "deviation", "variants" (numbers of the fit, which are checked and
- * not kept). Errors, on log, with @p name, the key and its value: BTF_ERROR_BAD_FILE (not such an object; a key that is
- * missing, unknown or there twice; a number that is negative, not finite or too large; more than 64 KiB). */
+ * of this layout; each price by its name in BTF_COST_LIST, from 0 to 1e6, at least one of which is above 0; and, where
+ * wanted, "device" (a string) and "deviation", "variants" (numbers of the fit, which are checked and not kept). Errors,
+ * on log, with @p name, the key and its value: BTF_ERROR_BAD_FILE (not such an object; a key that is missing, unknown
+ * or there twice; a number that is negative, not finite or too large; more than 64 KiB). */
 btf_result btf_cost_model_read(const char *text, size_t size, const char *name, const btf_log *log,
                                btf_cost_model *out_model);
 

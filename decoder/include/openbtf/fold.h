@@ -37,20 +37,21 @@
  *     sum_i b_i^2 S_ii + 2 sum_{i<j} b_i b_j S_ij,  S_ij = sum_l w_l r_il r_jl
  *
  * of which S_ii is kept for each sampled view and S_ij for every two that a look-up gives together: 4 layers a view, of
- * which a pixel reads 6 texels (24 with a bilinear filter) for any number of lights. Where views are blended as radiance,
- * the sum over lights is kept for each view, and a pixel reads 3.
+ * which a pixel reads 6 texels (24 with a bilinear filter) for any number of lights. Where views are blended as
+ * radiance, the sum over lights is kept for each view, and a pixel reads 3.
  *
  * Unlike other folds this one does not have the bits of what it stands for. It rounds otherwise, by less than
- * (lights + 12) 2^-24 of the sum over l of w_l (sum_i b_i |r_il|)^2. And it clamps otherwise, where roots are negative: the
- * decoder takes 0 for a blend below 2^-30, which does not multiply out. S_ii takes 0 for a negative root, and S_ij for a
- * product, of a <= b and b > 0, with a' = max(a, -b) < 0, b' = b + a' / 2: a' b'; 0 where b < 0. So the sum is the decoder's at
- * every sampled view, halfway between two that are neighbours, and wherever no neighbouring view has a negative root.
- * decoder/README.md, Folding, says how far it is off elsewhere. It has the same bits on every device, on the CPU and by GL.
+ * (lights + 12) 2^-24 of the sum over l of w_l (sum_i b_i |r_il|)^2. And it clamps otherwise, where roots are negative:
+ * the decoder takes 0 for a blend below 2^-30, which does not multiply out. S_ii takes 0 for a negative root, and S_ij
+ * for a product, of a <= b and b > 0, with a' = max(a, -b) < 0, b' = b + a' / 2: a' b'; 0 where b < 0. So the sum is
+ * the decoder's at every sampled view, halfway between two that are neighbours, and wherever no neighbouring view has a
+ * negative root. decoder/README.md, Folding, says how far it is off elsewhere. It has the same bits on every device, on
+ * the CPU and by GL.
  *
  * BTF_FOLD_SUM is defined where BTF_FOLD_LIGHT is and relief, by which each view shows other texels, is not decoded. It
- * is of lights that have one direction each in the tangent frame: those far away over a flat surface. Over a surface that
- * curves, however slowly, every pixel has other directions to the same lights, and no texture of sums is right for more
- * than one of them.
+ * is of lights that have one direction each in the tangent frame: those far away over a flat surface. Over a surface
+ * that curves, however slowly, every pixel has other directions to the same lights, and no texture of sums is right for
+ * more than one of them.
  *
  * A fold takes views * texels evaluations of one view, about a third of a pixel's each (btf_fold_cost): it
  * pays where the light stands still for more pixels than a third of that.
@@ -81,8 +82,8 @@ btf_result btf_fold_check(const btf_material_info *info, const btf_shader_option
 btf_fold btf_fold_best(const btf_material_info *info, const btf_shader_options *options, int view_is_still);
 
 /** @return the fold of a sum of lights that are still and the same in every pixel, where it is defined for a material
- * decoded by @p options (their `fold` is not read): BTF_FOLD_BOTH if @p view_is_still, else BTF_FOLD_SUM; where it is not,
- * BTF_FOLD_NONE. */
+ * decoded by @p options (their `fold` is not read): BTF_FOLD_BOTH if @p view_is_still, else BTF_FOLD_SUM; where it is
+ * not, BTF_FOLD_NONE. */
 btf_fold btf_fold_best_sum(const btf_material_info *info, const btf_shader_options *options,
                            int view_is_still);
 
@@ -92,8 +93,8 @@ btf_fold btf_fold_best_sum(const btf_material_info *info, const btf_shader_optio
 btf_shader_options btf_fold_pass(const btf_shader_options *options);
 
 /** Layers of texture `folded` (RGBA32UI, W x H, mip levels as the material's), of each light in turn: its views, 1
- * where light and view are folded to radiance, 3 where they are folded to neighbouring views. Of BTF_FOLD_SUM, @p lights
- * counts sums: as many layers as views, or four times as many where views are blended as roots. */
+ * where light and view are folded to radiance, 3 where they are folded to neighbouring views. Of BTF_FOLD_SUM,
+ * @p lights counts sums: as many layers as views, or four times as many where views are blended as roots. */
 uint32_t btf_fold_layers(const btf_material_info *info, btf_fold fold, uint32_t lights);
 
 /** @return bytes of texture `folded`, of all levels. */
@@ -102,7 +103,7 @@ size_t btf_fold_bytes(const btf_material_info *info, btf_fold fold, uint32_t lig
 /** Price of a fold and time that it saves, in the unit of btf_plan_cost. */
 typedef struct btf_fold_costs {
     double pass; /**< of one light; of level 0 alone, so a third too low where there are levels */
-    float unfolded, folded; /**< of a pixel */
+    float unfolded, folded; /**< of a pixel under one light */
     double pixels;          /**< that have to be shown before it pays: pass / (unfolded - folded) */
 } btf_fold_costs;
 
@@ -110,32 +111,34 @@ typedef struct btf_fold_costs {
 btf_fold_costs btf_fold_cost(const btf_material *material, const btf_shader_options *options,
                              const btf_scene *scene);
 
-/** Rows first_row .. first_row + rows - 1 of a layer of texture `folded`, made on the CPU for one light: @p options as for
- * the shader that reads it (`fold` says what is folded; filter, math, fixed directions and relief act on what is read and
- * do not matter), @p light and, where it is folded too, @p view (else it may be NULL) unit vectors of the tangent frame,
- * @p layer from 0, below btf_fold_layers() of one light. @p out_texels: [rows][column][4], row 0 the top, the bits of the
- * three floats R, G and B, then 0, as RGBA32UI takes them: those that btf_gl_fold_run() draws, on every machine. Threads
- * may fill rows of their own with one evaluator at the same time. Errors: BTF_ERROR_USAGE (a null pointer, a fold, level,
- * layer or row that is not there, BTF_FOLD_SUM), BTF_ERROR_UNSUPPORTED (btf_fold_check); nothing is written then. */
+/** Rows first_row .. first_row + rows - 1 of a layer of texture `folded`, made on the CPU for one light: @p options as
+ * for the shader that reads it (`fold` says what is folded; filter, math, fixed directions and relief act on what is
+ * read and do not matter), @p light and, where it is folded too, @p view (else it may be NULL) unit vectors of the
+ * tangent frame, @p layer from 0, below btf_fold_layers() of one light. @p out_texels: [rows][column][4], row 0 the
+ * top, the bits of the three floats R, G and B, then 0, as RGBA32UI takes them: those that btf_gl_fold_run() draws, on
+ * every machine. Threads may fill rows of their own with one evaluator at the same time. Errors: BTF_ERROR_USAGE (a
+ * null pointer, a fold, level, layer or row that is not there, BTF_FOLD_SUM), BTF_ERROR_UNSUPPORTED (btf_fold_check);
+ * nothing is written then. */
 btf_result btf_fold_rows(const btf_evaluator *evaluator, const btf_shader_options *options,
                          const float light[3], const float view[3], uint32_t level, uint32_t layer,
                          uint32_t first_row, uint32_t rows, uint32_t *out_texels);
 
-/** Adds texels of light and view folded to radiance (BTF_FOLD_BOTH), [count][4] as btf_fold_rows makes them, to a sum of
- * several lights of the same shape, which begins with zeros: sum = sum + texel * weight by channel, each product and each
- * sum rounded to float; the fourth stays. @p weight [3]: irradiance / pi of the light by channel, finite, >= 0. */
+/** Adds texels of light and view folded to radiance (BTF_FOLD_BOTH), [count][4] as btf_fold_rows makes them, to a sum
+ * of several lights of the same shape, which begins with zeros: sum = sum + texel * weight by channel, each product and
+ * each sum rounded to float; the fourth stays. @p weight [3]: irradiance / pi of the light by channel, finite, >= 0. */
 void btf_fold_add(size_t count, const uint32_t *texels, const float weight[3], uint32_t *sum);
 
 /** Rows first_row .. first_row + rows - 1 of every layer of a level of texture `folded`, made on the CPU for the sum of
- * several lights (options->fold is BTF_FOLD_SUM, else @p options as in btf_fold_rows). @p light [lights][3]: unit vectors of
- * the tangent frame; @p weight [lights][3]: irradiance / pi by channel, finite, >= 0. @p out_level: the whole level, [layer]
- * [row][column][4], of which these rows are written, as RGBA32UI takes them: those that btf_gl_fold_run_lights() draws, on
- * every machine. Each sum is sum = sum + value * weight in the order of the lights, rounded each time, value being what a
- * texel shows in view `layer`; where views are blended as roots, layer 4 i is of the squares of view i, and layers 4 i + 1
- * to 4 i + 3 are of its roots times those of up to three partners, which A of layer 4 i names, in 10 bits each, the lowest
- * first (1023: none, the layer is 0). Threads may fill rows of their own with one evaluator at the same time. Errors:
- * BTF_ERROR_USAGE (a null pointer, no light, another fold, a level or row that is not there), BTF_ERROR_UNSUPPORTED
- * (btf_fold_check), BTF_ERROR_MEMORY (W x views x 16 bytes); nothing is written then. */
+ * several lights (options->fold is BTF_FOLD_SUM, else @p options as in btf_fold_rows). @p light [lights][3]: unit
+ * vectors of the tangent frame; @p weight [lights][3]: irradiance / pi by channel, finite, >= 0. @p out_level: the
+ * whole level, [layer][row][column][4], of which these rows are written, as RGBA32UI takes them: those that
+ * btf_gl_fold_run_lights() draws, on every machine. Each sum is sum = sum + value * weight in the order of the lights,
+ * rounded each time, value being what a texel shows in view `layer`; where views are blended as roots, layer 4 i is of
+ * the squares of view i, and layers 4 i + 1 to 4 i + 3 are of its roots times those of up to three partners, which A of
+ * layer 4 i names, in 10 bits each, the lowest first (1023: none, the layer is 0). Threads may fill rows of their own
+ * with one evaluator at the same time. Errors: BTF_ERROR_USAGE (a null pointer, no light, another fold, a level or row
+ * that is not there), BTF_ERROR_UNSUPPORTED (btf_fold_check), BTF_ERROR_MEMORY (W x views x 16 bytes); nothing is
+ * written then. */
 btf_result btf_fold_sum_rows(const btf_evaluator *evaluator, const btf_shader_options *options,
                              uint32_t lights, const float *light, const float *weight, uint32_t level,
                              uint32_t first_row, uint32_t rows, uint32_t *out_level);
@@ -146,11 +149,12 @@ btf_result btf_material_fold_sum(const btf_material *material, const btf_shader_
                                  uint32_t lights, const float *light, const float *weight,
                                  const btf_log *log, uint32_t **out_texels);
 
-/** The whole texture `folded`, made on the CPU by one thread, for APIs other than GL to upload. @p light [lights][3] and,
- * where the view is folded too, @p view [lights][3], as in btf_fold_rows; else @p view may be NULL. *out_texels, of
- * btf_fold_bytes() bytes, is freed with btf_free: level by level, finest first, each [light][layer of the light][row]
- * [column][4] as in btf_fold_rows. Errors: BTF_ERROR_USAGE (something is missing), BTF_ERROR_UNSUPPORTED (btf_fold_check;
- * a build that does not round as it should), BTF_ERROR_MEMORY; *out_texels is NULL then. */
+/** The whole texture `folded`, made on the CPU by one thread, for APIs other than GL to upload. @p light [lights][3]
+ * and, where the view is folded too, @p view [lights][3], as in btf_fold_rows; else @p view may be NULL. *out_texels,
+ * of btf_fold_bytes() bytes, is freed with btf_free: level by level, finest first; in a level light by
+ * light; of a light layer by layer, each [row][column][4] as in btf_fold_rows. Errors: BTF_ERROR_USAGE (something is
+ * missing), BTF_ERROR_UNSUPPORTED (btf_fold_check; a build that does not round as it should), BTF_ERROR_MEMORY;
+ * *out_texels is NULL then. */
 btf_result btf_material_fold(const btf_material *material, const btf_shader_options *options,
                              uint32_t lights, const float *light, const float *view, const btf_log *log,
                              uint32_t **out_texels);
@@ -166,20 +170,20 @@ btf_result btf_gl_fold_create(const btf_material *material, const btf_gl_options
                               const btf_log *log, btf_gl_fold **out_fold);
 
 /** Folds one light, all levels of detail. @p textures: those of the material, at least what the shader of
- * btf_fold_pass() reads. @p number: of the light, from 0. @p light and, where it is folded too, @p view:
- * unit vectors of the tangent frame; below the horizon the radiance is 0. Shaders that read neighbouring views must be
- * handed the very same view, bit for bit. Sets the texture bindings of
- * units first_unit onwards, as btf_gl_bind does; all other state is as before. Errors: BTF_ERROR_USAGE (a
- * light beyond those of btf_gl_fold_create; a texture that was not uploaded), BTF_ERROR_UNSUPPORTED (GL
- * refuses the framebuffer), BTF_ERROR_MEMORY. */
+ * btf_fold_pass() reads. @p number: of the light, from 0. @p light and, where it is folded too, @p view: unit vectors
+ * of the tangent frame; below the horizon the radiance is 0. Shaders that read neighbouring views must be handed the
+ * very same view, bit for bit. Sets the texture bindings of units first_unit onwards, as btf_gl_bind does; all other
+ * state is as before. Errors: BTF_ERROR_USAGE (a light beyond those of btf_gl_fold_create; a texture that was not
+ * uploaded), BTF_ERROR_UNSUPPORTED (GL refuses the framebuffer), BTF_ERROR_MEMORY. */
 btf_result btf_gl_fold_run(btf_gl_fold *fold, btf_gl *textures, uint32_t first_unit, uint32_t number,
                            const float light[3], const float view[3], const btf_log *log);
 
-/** Folds the sum of several lights, BTF_FOLD_BOTH (seen from one view) and BTF_FOLD_SUM (@p view may be NULL) alone: what
- * shaders read as light @p number is then the sum over i, in that order, of radiance under lights[i] times weights[i] by
- * channel, as btf_fold_add() adds it, to the bit; or what btf_fold_sum_rows() makes, to the bit. @p lights and @p weights
- * [count][3]; a texture of W x H x 16 bytes, of BTF_FOLD_SUM 2 views + 1 times that, a third more with levels, is made and
- * deleted. Else as btf_gl_fold_run, two units more. Errors: likewise; BTF_ERROR_USAGE too for another fold or no light. */
+/** Folds the sum of several lights, [count][3] directions at @p lights and weights by channel at @p weights, into what
+ * shaders read as light @p number. Of BTF_FOLD_BOTH, seen from @p view, that is the sum over i, in this order, of the
+ * radiance under light i times its weight, with the bits of btf_fold_add(); of BTF_FOLD_SUM, whose @p view may be NULL,
+ * it has the bits of btf_fold_sum_rows(). Meanwhile textures of W x H x 16 bytes, of BTF_FOLD_SUM 2 views + 1 times as
+ * many, a third more with levels, exist beside the fold's. All else is as of btf_gl_fold_run, but that the bindings
+ * of up to two units more are set. Errors: likewise; BTF_ERROR_USAGE also for another fold, or no light. */
 btf_result btf_gl_fold_run_lights(btf_gl_fold *fold, btf_gl *textures, uint32_t first_unit, uint32_t number,
                                   uint32_t count, const float *lights, const float *weights,
                                   const float view[3], const btf_log *log);

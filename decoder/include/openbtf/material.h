@@ -1,9 +1,9 @@
 /* OpenBTF: an encoded material in memory: open, save, look inside.
  *
  * This header reads and writes the format of FORMAT.md and nothing else: it makes no GL context, window or thread, and
- * does not decode (evaluate.h does, shader.h lets a GPU do it). Everything here is plain data; textures come in the layout
- * a GPU takes, in the byte order of the host. Directions are unit vectors of the tangent frame (x along +u, y along +v, z
- * the normal), to the viewer and to the light. Colours are linear Rec. 709.
+ * does not decode (evaluate.h does, shader.h lets a GPU do it). Everything here is plain data; textures come in the
+ * layout a GPU takes, in the byte order of the host. Directions are unit vectors of the tangent frame (x along +u, y
+ * along +v, z the normal), to the viewer and to the light. Colours are linear Rec. 709.
  *
  * A log may be NULL everywhere; other pointers only where that is said. Where a call fails, the pointer that
  * it was to set is NULL.
@@ -52,7 +52,7 @@ extern "C" {
 #define BTF_MAX_LEVELS 15
 /** The most bands of view or light elevation in a table of errors. */
 #define BTF_MAX_BANDS 16
-/** What the first number of a row of btf_between_errors grows by from a level of detail to the next coarser one. */
+/** The first number of a row of btf_between_errors grows by this from a level of detail to the next coarser one. */
 #define BTF_BETWEEN_NEXT_LEVEL 16
 
 /** The gainScale that the encoder writes: a gain code g of 1..255 means the gain g * 2^-7. */
@@ -261,8 +261,8 @@ typedef struct btf_effect_errors {
 
 /** The encoder's estimate of the error between the samples (FORMAT.md section 7, openbtf.betweenErrors, and of coarser
  * levels openbtf.levelBetweenErrors; here the rows of both stand in one table): samples are left out and predicted from
- * their neighbours by the decoder. Neighbours are then twice as far away as for a direction between samples, so that the
- * estimate overstates the error. All 0 and NULL when the material has none.
+ * their neighbours by the decoder. Neighbours are then twice as far away as for a direction between samples, so that
+ * the estimate overstates the error. All 0 and NULL when the material has none.
  *
  * A row has 5 + 2 * view_bands * light_bands numbers:
  *

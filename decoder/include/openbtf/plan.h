@@ -72,16 +72,16 @@ typedef struct btf_plan {
     float psnr_linear, psnr_srgb; /**< predicted for the plan */
     float full_psnr_linear, full_psnr_srgb; /**< predicted for the full decode of the same level */
     /** Estimated against the truth between the samples, of this plan and of the full decode: what the bands of
-     * btf_between_errors say of the level that the scene meets, and what the plan adds to the full decode's error there. The
-     * table overstates, so that this is a bound rather than a figure. 0 where the file says nothing of the level, or view
-     * and light are samples, which have nothing between them. */
+     * btf_between_errors say of the level that the scene meets, and what the plan adds to the full decode's error
+     * there. The table overstates, so that this is a bound rather than a figure. 0 where the file says nothing of the
+     * level, or view and light are samples, which have nothing between them. */
     float between_psnr_linear, between_psnr_srgb;
     float full_between_psnr_linear, full_between_psnr_srgb; /**< likewise, of the full decode */
     /** How the plan can be folded (openbtf/fold.h), where the light of the scene is fixed, or its lights stand still;
      * BTF_FOLD_NONE where it cannot, or where the scene makes no such fold. The view is folded as well where it is
      * fixed. fold_bytes is of one light: BTF_FOLD_BOTH and BTF_FOLD_SUM keep the sum of several lights in as many bytes
-     * (btf_gl_fold_run_lights), the other folds take as much for each light. What BTF_FOLD_SUM clamps otherwise than the
-     * decoder is not held against the tolerance. */
+     * (btf_gl_fold_run_lights), the other folds take as much for each light. The error that BTF_FOLD_SUM makes by
+     * clamping otherwise than the decoder does not count against the tolerance. */
     btf_fold fold;
     size_t fold_bytes;  /**< of the folded texture, beside gpu_bytes; else 0 */
     float folded_cost;  /**< of a pixel that reads folded textures, of all lights as `cost`; else `cost` */
@@ -91,48 +91,50 @@ typedef struct btf_plan {
     float price;
 } btf_plan;
 
-/** Finds the plan of least price (btf_plan.price) whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below the
- * full decode's where the scene looks:
+/** Finds the plan of least price (btf_plan.price) whose PSNR, linear and sRGB-coded, is at most @p tolerance dB below
+ * the full decode's where the scene looks:
  *
- *  - The candidates are the ways to decode that the table of effect errors has (btf_material_effect_errors). Their errors
- *    are averaged over the bands that the scene's ranges meet. A view or light that never changes counts by its distance
- *    from the nearest sample: errors are larger at samples than between them.
- *  - Where view or light lie between the samples, and the file tells what is lost there at the level (btf_between_errors),
- *    the full decode's error is half of that, 3 dB less, since the table is of samples left out, at double the gap. (On
- *    BRICKS64 the table is, ring by ring, 3.1 to 3.7 dB below what images between the samples show; no file keeps such
- *    truth.) Where view and light are samples, or the file has no such rows, the error against the data counts.
- *  - A plan adds its squared difference to the full decode (btf_material_effect_differences), since errors of decoding and
- *    of interpolation are independent. Where the file has no such row, the mean of two numbers takes its place: how much
- *    the error at the samples grows, which is too much, and how much the error against the interpolated data grows, which
- *    is too little where relief moves texels.
- *  - Relief and gloss are left out where they change nothing: where the view is fixed and a sample, and relief at levels
- *    where it has ended (btf_material_info.relief_end). Elsewhere the interpolated data cannot tell what they are worth:
- *    without one of them the error grows by half of what btf_between_errors say of the level (of relief rows 3 and 7, under a
- *    light that is a sample 1 and 5; of gloss 3 and 11), which is at double the gap; without both by the sum. Files without
- *    these rows keep both. btf_plan_worth says what each counts.
+ *  - The candidates are the ways to decode that the table of effect errors has (btf_material_effect_errors). Their
+ *    errors are averaged over the bands that the scene's ranges meet. A view or light that never changes counts by its
+ *    distance from the nearest sample: errors are larger at samples than between them.
+ *  - Where view or light lie between the samples, and the file tells what is lost there at the level
+ *    (btf_between_errors), the full decode's error is half of that, 3 dB less, since the table is of samples left out,
+ *    at double the gap. (On BRICKS64 the table is, ring by ring, 3.1 to 3.7 dB below what images between the samples
+ *    show; no file keeps such truth.) Where view and light are samples, or the file has no such rows, the error against
+ *    the data counts.
+ *  - A plan adds its squared difference to the full decode (btf_material_effect_differences), since errors of decoding
+ *    and of interpolation are independent. Where the file has no such row, the mean of two numbers takes its place: how
+ *    much the error at the samples grows, which is too much, and how much the error against the interpolated data
+ *    grows, which is too little where relief moves texels.
+ *  - Relief and gloss are left out where they change nothing: where the view is fixed and a sample, and relief at
+ *    levels where it has ended (btf_material_info.relief_end). Elsewhere the interpolated data cannot tell what they
+ *    are worth: without one of them the error grows by half of what btf_between_errors say of the level (of relief rows
+ *    3 and 7, under a light that is a sample 1 and 5; of gloss 3 and 11), which is at double the gap; without both by
+ *    the sum. Files without these rows keep both. btf_plan_worth says what each counts.
  *  - The level is the coarsest whose texels are not larger than a pixel; the filter is bilinear where a texel is larger
  *    than a pixel and a half.
  *  - A plan that can be folded counts by its folded cost where the scene makes the fold; the bytes of the fold are not
  *    weighed. Gloss keeps a fixed light under a view that is not fixed from being folded.
  *
- * psnr_linear and psnr_srgb, against the data, are those without relief or gloss where the file has a row of effect errors
- * of that. Where it has none and a plan leaves either out, they ignore that: they are of the way with them.
+ * psnr_linear and psnr_srgb, against the data, are those without relief or gloss where the file has a row of effect
+ * errors of that. Where it has none and a plan leaves either out, they ignore that: they are of the way with them.
  * Allocates no memory. Errors: BTF_ERROR_USAGE (a range that holds no direction, a negative or infinite number). */
 btf_result btf_plan_effects(const btf_material *material, const btf_scene *scene, float tolerance,
                             btf_plan *out_plan);
 
 /** Sets *out_linear and *out_srgb to the PSNR, in dB, that the file's table of effect errors predicts for the scene,
  * level and directions of a plan decoded another way: with the btf_effect bits @p effects and so many components or
- * units of the residual (0 without it). Without relief or gloss, where that was not measured, the error is that of the way
- * with them, and what leaving them out changes of the full decode's. Errors: BTF_ERROR_UNSUPPORTED (the encoder measured
- * neither; both are 0). */
+ * units of the residual (0 without it). Without relief or gloss, where that was not measured, the error is that of the
+ * way with them, and what leaving them out changes of the full decode's. Errors: BTF_ERROR_UNSUPPORTED (the encoder
+ * measured neither; both are 0). */
 btf_result btf_plan_predict(const btf_material *material, const btf_plan *plan, uint32_t effects,
                             uint32_t components, float *out_linear, float *out_srgb);
 
-/** Sets *out_linear and *out_srgb to the dB by which @p effect, BTF_EFFECT_RELIEF or BTF_EFFECT_GLOSS, lessens the error
- * between the samples where the scene of a plan looks, at its level: what btf_plan_effects holds against the tolerance to
- * leave it out. 0 where it changes nothing there: where the view is a sample, and relief where it has ended. Errors:
- * BTF_ERROR_UNSUPPORTED (the material has no such effect, or the file does not say what it is worth; both are 0). */
+/** Sets *out_linear and *out_srgb to the dB by which @p effect, BTF_EFFECT_RELIEF or BTF_EFFECT_GLOSS, lessens the
+ * error between the samples where the scene of a plan looks, at its level: what btf_plan_effects holds against the
+ * tolerance to leave it out. 0 where it changes nothing there: where the view is a sample, and relief where it has
+ * ended. Errors: BTF_ERROR_UNSUPPORTED (the material has no such effect, or the file does not say what it is worth;
+ * both are 0). */
 btf_result btf_plan_worth(const btf_material *material, const btf_plan *plan, btf_effect effect,
                           float *out_linear, float *out_srgb);
 
@@ -152,11 +154,11 @@ float btf_plan_cost(const btf_material *material, const btf_shader_options *opti
  * `tight`. *out_material is closed with btf_material_close.
  *
  * Packed points of which a plan decodes the gain alone stay packed, with shifts of 0, since no other store holds their
- * gains; packed points of which it decodes the shift alone become the texture `shift`. Lists of points stay lists, of
- * a gain of 1 where the plan decodes the shift alone, unless so few views are kept that they take no fewer bytes than
+ * gains; packed points of which it decodes the shift alone become the texture `shift`. Lists of points stay lists, of a
+ * gain of 1 where the plan decodes the shift alone, unless so few views are kept that they take no fewer bytes than
  * packed points would. Heights are kept as they are, in texels of the material's level 0
- * (btf_material_info.relief_level), and go where relief has ended at the plan's level. Where gloss is decoded all lights are kept, since any may be that of a neighbouring
- * view.
+ * (btf_material_info.relief_level), and go where relief has ended at the plan's level. Where gloss is decoded all
+ * lights are kept, since any may be that of a neighbouring view.
  *
  * Inside the ranges the new material decodes, with plan->shader, bit for bit to what the whole material decodes to;
  * level plan->level of the whole is level 0 of the new one. Outside, a direction counts as the nearest one that was

@@ -27,10 +27,10 @@
  * with btf_random(uvec3(pixel, frame)) or blue noise of your own for the random numbers; the mean is
  * btf_evaluate_radiance_blend(uv, l, v). Both take a level as well, and _between takes btf_level() as it is.
  *
- * It works in GLSL 330 core to 460, ESSL 300 (WebGL2) to 320, and Vulkan GLSL. For WebGPU, with BTF_LANGUAGE_WGSL, it is the
- * same text in WGSL, made of the GLSL, with the same functions: fn btf_evaluate(uv: vec2f, l: vec3f, v: vec3f) -> vec3f. It
- * needs no entry point, no extension and no order among your own declarations. Code that a compiler finds unused
- * costs nothing: an effect that is left out leaves no code and no fetch behind.
+ * It works in GLSL 330 core to 460, ESSL 300 (WebGL2) to 320, and Vulkan GLSL. For WebGPU, with BTF_LANGUAGE_WGSL, it
+ * is the same text in WGSL, made of the GLSL, with the same functions: fn btf_evaluate(uv: vec2f, l: vec3f, v: vec3f)
+ * -> vec3f. It needs no entry point, no extension and no order among your own declarations. Code that a compiler finds
+ * unused costs nothing: an effect that is left out leaves no code and no fetch behind.
  *
  * No function here makes a GL call or compiles anything (gl.h uploads the textures).
  *
@@ -76,9 +76,9 @@ typedef enum btf_bindings {
 /** The language of the text. */
 typedef enum btf_language {
     BTF_LANGUAGE_GLSL = 0, /**< GLSL, ESSL and Vulkan GLSL */
-    /** WebGPU's. Textures are `@group(descriptor_set) @binding(first_binding + id)`, read by textureLoad alone; with exact math
-     * `var<uniform> btf_zero: u32` has binding first_binding + BTF_TEXTURE_COUNT + 3: a buffer of 16 bytes, all 0, for WGSL
-     * has no `precise`. Members `bindings` and `have_precise` have no meaning. */
+    /** WebGPU's. Textures are `@group(descriptor_set) @binding(first_binding + id)`, read by textureLoad alone; with
+     * exact math `var<uniform> btf_zero: u32` has binding first_binding + BTF_TEXTURE_COUNT + 3: a buffer of 16 bytes,
+     * all 0, for WGSL has no `precise`. Members `bindings` and `have_precise` have no meaning. */
     BTF_LANGUAGE_WGSL = 1,
 } btf_language;
 
@@ -90,15 +90,16 @@ typedef enum btf_fixed {
     BTF_FIXED_LIGHT = 2, /**< the direction to the light, btf_shader_options.fixed_light */
 } btf_fixed;
 
-/** The part of decoding that is done once, into texture `folded` (openbtf/fold.h), for a shader that reads it from then on. */
+/** The part of decoding that is done once, into texture `folded` (openbtf/fold.h), which the shader then reads. */
 typedef enum btf_fold {
     BTF_FOLD_NONE = 0,  /**< nothing */
     BTF_FOLD_LIGHT = 1, /**< a light that never changes */
     BTF_FOLD_BOTH = 2,  /**< a light and a view: radiance, where relief is not decoded */
-    BTF_FOLD_NEIGHBOURS =
-        3, /**< a light and a view: what the views around it show, blended as ever; with relief */
-    BTF_FOLD_SUM =
-        4, /**< the sum of lights that never change, under a view that does: not to the bit, see fold.h */
+    /** a light and a view, where relief is decoded: what the views around it show, which the shader blends as ever */
+    BTF_FOLD_NEIGHBOURS = 3,
+    /** the sum of lights that never change, under a view that does; it rounds and clamps otherwise than the decoder
+     * (openbtf/fold.h) */
+    BTF_FOLD_SUM = 4,
 } btf_fold;
 
 /** The neighbours of which a stochastic decode picks one, with its weight, in place of blending all. The mean over
@@ -135,10 +136,12 @@ typedef struct btf_shader_options {
     /** Other than none: btf_evaluate_stochastic and btf_evaluate_radiance_blend stand in place of btf_evaluate; default
      * BTF_PICK_NONE. */
     btf_picks picks;
-    /** The fold that was made: the shader reads texture `folded`, bound to first_binding + BTF_TEXTURE_COUNT, and of the
-     * material's textures only those that say where. The directions handed to btf_evaluate must be those that were
-     * folded, bit for bit; of BTF_FOLD_SUM the light may be any above the horizon. A fixed view is used with BTF_FOLD_LIGHT, _SUM and, where it is the one that was folded, with
-     * BTF_FOLD_NEIGHBOURS; a fixed light, and with BTF_FOLD_BOTH a fixed view, are not. Not with picks. Default BTF_FOLD_NONE. */
+    /** The fold that was made; default BTF_FOLD_NONE. The shader reads texture `folded`, bound to first_binding +
+     * BTF_TEXTURE_COUNT, and of the material's textures only those that say which texels of it to read. The directions
+     * handed to btf_evaluate must be those that were folded, bit for bit; with BTF_FOLD_SUM the light may be any above
+     * the horizon. The neighbours of a fixed view are constants with BTF_FOLD_LIGHT, with BTF_FOLD_SUM and, where it is
+     * the view that was folded, with BTF_FOLD_NEIGHBOURS; BTF_FOLD_BOTH ignores a fixed view, every fold a fixed light.
+     * Cannot be combined with picks. */
     btf_fold fold;
     btf_language language; /**< default GLSL */
 } btf_shader_options;
@@ -154,17 +157,18 @@ uint32_t btf_shader_textures(const btf_material_info *info, const btf_shader_opt
 btf_result btf_shader_source(const btf_material *material, const btf_shader_options *options,
                              const btf_log *log, char **out_text);
 
-/** WGSL of GLSL: of a text of BTF_ macros, then btf_shader_library() or btf_shader_self_test(), and functions of yours behind
- * it in the part of GLSL that these are written in. The macro WGSL is defined, and ESSL 300 is assumed. A uniform needs
- * `layout(set = s, binding = n)`, which BTF_UNIFORM(n) gives those of the library. In the result names that several functions
- * share have the types of their parameters behind them (btf_mul_vec3f_f32); parameters that are `out` or `inout` are pointers.
- * Every other name stays, but for one that WGSL reserves or predeclares: it has __ behind it (filter__). Names that the
- * translation adds have __ in them as well; as in GLSL, no name of @p glsl may have it, nor be _ alone. An overloaded function
- * whose name in WGSL would have __ in it, or be another name of the text, is refused, too.
- * *out_text is freed with btf_free; NULL on error. @p log may be NULL. Errors: BTF_ERROR_UNSUPPORTED (something of GLSL that
- * the decoder does not use, or such a name; macros that are expanded through more than 2^22 = 4,194,304 tokens in all or are
- * more than 200 deep in one another; an expression more than 1000 operators and calls high, or brackets or statements more
- * than 200 deep; the message names the place), BTF_ERROR_MEMORY. */
+/** WGSL of GLSL: of a text of BTF_ macros, then btf_shader_library() or btf_shader_self_test(), and functions of yours
+ * behind it in the part of GLSL that these are written in. The macro WGSL is defined, and ESSL 300 is assumed. A
+ * uniform needs `layout(set = s, binding = n)`, which BTF_UNIFORM(n) gives those of the library. In the result names
+ * that several functions share have the types of their parameters behind them (btf_mul_vec3f_f32); parameters that are
+ * `out` or `inout` are pointers. Every other name stays, but for one that WGSL reserves or predeclares: it has __
+ * behind it (filter__). Names that the translation adds have __ in them as well; as in GLSL, no name of @p glsl may
+ * have it, nor be _ alone. An overloaded function whose name in WGSL would have __ in it, or be another name of the
+ * text, is refused, too. *out_text is freed with btf_free; NULL on error. @p log may be NULL. Errors:
+ * BTF_ERROR_UNSUPPORTED (something of GLSL that the decoder does not use, or such a name; macros that are expanded
+ * through more than 2^22 = 4,194,304 tokens in all or are more than 200 deep in one another; an expression more than
+ * 1000 operators and calls high, or brackets or statements more than 200 deep; the message names the place),
+ * BTF_ERROR_MEMORY. */
 btf_result btf_shader_wgsl(const char *glsl, const btf_log *log, char **out_text);
 
 /** Random numbers of a counter, say column, row and frame of a pixel, the same as btf_random of the shader: PCG3D
