@@ -7,8 +7,9 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Rows of the table. Relief shows where a view is left out. Where the light is a sample gloss only blurs it by others,
- * so that both must be left out to tell. */
+/* Numbers of rows in the material's table of errors between the samples: what was left out and predicted. Relief is
+ * judged where a view was left out. Gloss is judged where both were: under a sampled light it does no more than blend
+ * in other lights. */
 enum { VIEW = 1, BOTH = 3, VIEW_WITHOUT_RELIEF = 5, BOTH_WITHOUT_GLOSS = 11 };
 
 static const float *find_row(const btf_between_errors *e, int left_out) {

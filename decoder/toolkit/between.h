@@ -8,12 +8,12 @@
 #include <openbtf/material.h>
 #include <stdbool.h>
 
-/* Effects that change nothing at the samples. */
+/* The effects that change nothing at the samples, only between them. */
 enum { BETWEEN_EFFECTS = BTF_EFFECT_RELIEF | BTF_EFFECT_GLOSS };
 
-/* dB, linear and sRGB-coded, that an effect adds where views (of gloss: views and lights) are left out and
- * predicted from the others, by the material's table of errors between the samples; returns false where the table
- * does not say. */
+/* The dB, linear and sRGB-coded, that an effect adds between the samples, by the material's table of errors there:
+ * measured where views (for gloss: views and lights) were left out and predicted from the others. Returns false where
+ * the table does not say. */
 bool between_gain(const btf_material *material, uint32_t effect, double out_gain[2]);
 
 #endif

@@ -169,7 +169,7 @@ static const cli_option *find_option(const cli_program *program, const char *nam
     return NULL;
 }
 
-/* Ends the tool with a usage error. */
+/* Prints a usage error, sets the tool's exit code and returns false. */
 static bool __attribute__((format(printf, 3, 4)))
 misuse(const cli_program *program, int *out_exit_code, const char *format, ...) {
     va_list arguments;
@@ -181,7 +181,7 @@ misuse(const cli_program *program, int *out_exit_code, const char *format, ...) 
     return false;
 }
 
-/* One option at argv[*at]; moves *at over its value. */
+/* Reads the option at argv[*at]; moves *at to its value where that is the next word. */
 static bool parse_option(const cli_program *program, int argc, char **argv, int *at, int *out_exit_code) {
     const char *word = argv[*at], *value = NULL;
     const bool is_long = word[1] == '-';
@@ -222,8 +222,9 @@ static bool parse_option(const cli_program *program, int argc, char **argv, int 
     return true;
 }
 
-/* A file opened later must not become a closed standard stream, or messages are written into it. The file that
- * takes its place fails as a closed one does. */
+/* Opens /dev/null in place of standard streams that are closed: else a file opened later would take a stream's number,
+ * and messages would be written into it. It is opened for the wrong direction, so that reading and writing fail as
+ * they do on a closed stream. */
 static void reserve_standard_streams(void) {
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++) {
         if (fcntl(fd, F_GETFD) < 0) {

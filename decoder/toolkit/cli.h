@@ -38,7 +38,7 @@ typedef struct cli_program {
     const char *details; /* paragraphs after the options; may be NULL */
     const char *example; /* one command a line */
     const cli_option *options;
-    int min_arguments, max_arguments; /* of those that are no options; max -1: any number */
+    int min_arguments, max_arguments; /* numbers of arguments that are no options; maximum -1: any number */
 } cli_program;
 
 typedef struct cli_arguments {
@@ -46,10 +46,10 @@ typedef struct cli_arguments {
     int count;
 } cli_arguments;
 
-/* Reads the command line: "--name value", "--name=value", "-o value", "-oVALUE"; "--" ends the options; "-"
- * is an argument. --help (-h) and --version are always there. Returns true to go on; false when the tool
- * should end with *out_exit_code (--help, --version: 0; a mistake, told on stderr: 1). Standard streams
- * that are closed are taken first, so that no file becomes one. */
+/* Reads the command line: "--name value", "--name=value", "-o value", "-oVALUE"; "--" ends the options; "-" is an
+ * argument. --help (-h) and --version are always there. Returns true to go on; false when the tool should end with
+ * *out_exit_code (--help, --version: 0; a mistake, told on stderr: 1). First opens /dev/null in place of standard
+ * streams that are closed, so that no file takes their place. */
 bool cli_parse(const cli_program *program, int argc, char **argv, cli_arguments *out_arguments,
                int *out_exit_code);
 

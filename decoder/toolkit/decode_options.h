@@ -11,7 +11,7 @@
 
 #include <openbtf/material.h>
 
-/* An int from 0 to BTF_MAX_COMPONENTS; to the library 0 means all, to these tools none. */
+/* An int from 0 to BTF_MAX_COMPONENTS. 0 means all components to the library, but none to these tools. */
 #define COMPONENTS_OPTION                                                                                  \
     .name = "components", .type = CLI_INT, .minimum = 0, .maximum = BTF_MAX_COMPONENTS,                    \
     .help = "components of the residual to decode, or units where it is factors, as btf-info\n"            \

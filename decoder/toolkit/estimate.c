@@ -8,8 +8,8 @@
 #include <string.h>
 
 static const double least_seconds = 1.0, least_part = 1.0 / 500;
-static const double own_rate = 0.1; /* part of a stage at which its own rate and the job's count alike */
-static const double memory = 0.03;  /* of the whole time: over so much of it the time left is smoothed */
+static const double own_rate = 0.1; /* at this part of a stage its own rate weighs as much as the job's */
+static const double memory = 0.03;  /* the time left is smoothed over this part of the whole time */
 
 void estimate_begin(estimate *e, const estimate_part *parts, size_t count, double now) {
     *e = (estimate){.began = now, .left = -1, .left_at = now};
@@ -23,7 +23,7 @@ void estimate_begin(estimate *e, const estimate_part *parts, size_t count, doubl
     }
 }
 
-/* Cost of the stage at work. */
+/* The cost of the stage at work; 0 between stages. */
 static double cost_at(const estimate *e) {
     return e->active && e->at < e->count ? e->parts[e->at].cost : 0;
 }
@@ -51,7 +51,7 @@ static double raw_left(const estimate *e, double now) {
     return left > 0 ? left : 0;
 }
 
-/* The time left falls as the clock goes on, and is drawn to what is known now. */
+/* Updates the time left: it falls as the clock goes on, and is drawn smoothly to what the costs and times say now. */
 static void update(estimate *e, double now) {
     const double raw = raw_left(e, now), since = now - e->left_at;
     show(e);

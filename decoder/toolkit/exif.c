@@ -1,5 +1,4 @@
 /* Statements of EXIF and XMP. See exif.h.
- * Of XMP, the first.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -37,7 +36,7 @@ static bool is_exif(const unsigned char *data, size_t size) {
     return size >= 8 && (memcmp(data, "MM\0*", 4) == 0 || memcmp(data, "II*\0", 4) == 0);
 }
 
-/* The prefix of JPEG's marker, which some writers leave before PNG's. */
+/* Skips the prefix of JPEG's marker, which some writers leave before PNG's block. */
 static void skip_prefix(const unsigned char **data, size_t *size) {
     if (*size >= 6 && memcmp(*data, "Exif\0\0", 6) == 0) {
         *data += 6;

@@ -1,5 +1,5 @@
-/* Reads two statements of EXIF: whether the picture is stored turned, and whether its colour space is not sRGB. Of
- * XMP, the first.
+/* Reads two statements of EXIF: whether the picture is stored turned, and whether its colour space is not sRGB. Of XMP
+ * it reads the first of these.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -22,7 +22,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* The library's callbacks see this: the bytes to read, or the stream to write, and its first complaint. */
+/* What OpenEXRCore's callbacks see: the bytes to read, or the stream to write, and the first complaint. */
 typedef struct exr_stream {
     const unsigned char *data;
     uint64_t size;
@@ -112,7 +112,7 @@ __attribute__((format(printf, 3, 4))) static btf_result fail(const reading *r, b
     return result;
 }
 
-/* The channel of the picture that a channel of the file's list is; -1: none. */
+/* The channel of the picture that a channel of the file holds, or of a spectrum the band; -1: neither. */
 static int role_of(const reading *r, int channel) {
     for (int c = 0; c < (r->choice.kind == EXR_KIND_GREY ? 1 : 3) && r->choice.kind != EXR_KIND_SPECTRUM;
          c++) {
@@ -155,7 +155,8 @@ static btf_result check_sampling(reading *r) {
     return BTF_OK;
 }
 
-/* Luminance and chroma to RGB, the luminance of R, G and B being that of the file's primaries. */
+/* Converts luminance and chroma to RGB; the weights of R, G and B in the luminance follow from the file's
+ * primaries. */
 static btf_result finish_chroma(const reading *r) {
     double xyz[9];
     if (!primaries_to_xyz(&r->attributes.primaries, xyz) || !(fabs(xyz[4]) > 1e-6)) {
@@ -220,7 +221,7 @@ static btf_result settle_spectrum(reading *r) {
     return result;
 }
 
-/* Alpha of the picture's own layer; -1. */
+/* The alpha channel in the picture's own layer; -1: none. */
 static int find_alpha(const reading *r) {
     const size_t length = strlen(r->choice.layer);
     for (int i = 0; i < r->list->num_channels; i++) {
@@ -273,7 +274,7 @@ static btf_result read_samples(reading *r) {
     return result;
 }
 
-/* Refuses features of a file that cannot be undone, naming each. */
+/* Refuses compressions that are not read, each by its name. */
 static btf_result check_compression(const reading *r, exr_compression_t compression) {
     static const char *const unread[] = {[EXR_COMPRESSION_B44] = "B44",
                                          [EXR_COMPRESSION_B44A] = "B44A",

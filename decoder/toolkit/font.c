@@ -6,8 +6,8 @@
 
 enum { ROWS = 8 };
 
-/* The characters from ' ' to '~', each 5 x 8 pixels: rows from the top, of which the eighth is below the base line; bit 4
- * of a row is its leftmost pixel. */
+/* The characters from ' ' to '~', each 5 x 8 pixels: rows from the top, of which the eighth is below the base line;
+ * bit 4 of a row is its leftmost pixel. */
 static const unsigned char glyphs[95][ROWS] = {
     {0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00}, /*   */
     {0x04, 0x04, 0x04, 0x04, 0x04, 0x00, 0x04}, /* ! */

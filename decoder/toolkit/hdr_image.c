@@ -14,8 +14,8 @@ typedef struct cursor {
     const unsigned char *p, *end;
 } cursor;
 
-/* Reads a header line of any length, without its end and the blanks before that, into text, which takes its
- * beginning; false at the end of the data. */
+/* Reads a header line of any length, without its end and the blanks before that; text takes as much of its beginning
+ * as fits. Returns false at the end of the data. */
 static bool read_line(cursor *c, char *text, size_t size) {
     const unsigned char *end = memchr(c->p, '\n', (size_t)(c->end - c->p));
     if (!end) {
@@ -33,7 +33,7 @@ static bool read_line(cursor *c, char *text, size_t size) {
     return true;
 }
 
-/* One scan line of 4 * width bytes, each component in runs and literals of its own. */
+/* Reads a new run-length coded scan line, of 4 * width bytes: each component has runs and literals of its own. */
 static bool read_new_line(cursor *c, unsigned char *rgbe, int width) {
     for (int component = 0; component < 4; component++) {
         for (int x = 0; x < width;) {
@@ -57,7 +57,8 @@ static bool read_new_line(cursor *c, unsigned char *rgbe, int width) {
     return true;
 }
 
-/* Flat pixels; (1, 1, 1, n) repeats the last one n times, more of them in a row count in base 256. */
+/* Reads a scan line of flat pixels, in which (1, 1, 1, n) repeats the last pixel n times. Several of these in a row
+ * give the digits of the count in base 256, the lowest first. */
 static bool read_old_line(cursor *c, unsigned char *rgbe, int width) {
     int shift = 0;
     for (int x = 0; x < width;) {
@@ -102,8 +103,8 @@ typedef struct header {
     char text[256];  /* ... and its text */
 } header;
 
-/* Numbers behind KEY=, or KEY and blanks and =, of a line, which has to hold just `count`; false for another key. *out_good: whether
- * they are there. */
+/* Reads the `count` numbers of a line "KEY=..." or "KEY =...". Returns false for another key; *out_good says whether
+ * the line holds just these numbers. */
 static bool read_values(const char *line, const char *key, double *values, int count, bool *out_good) {
     const size_t length = strlen(key);
     if (strncmp(line, key, length) != 0) {
@@ -125,13 +126,14 @@ static bool read_values(const char *line, const char *key, double *values, int c
     return true;
 }
 
-/* Divides the scale by a correction that was multiplied in; 0 stands for 1 in the files of some writers. */
+/* Takes out of the scale a correction that the writer multiplied in; 0 is taken as 1, as some writers mean it. Returns
+ * false where the scale is then of no use. */
 static bool undo(double *scale, double value) {
     *scale /= value != 0.0 ? value : 1.0;
     return value >= 0.0 && *scale > 0.0 && isfinite(*scale);
 }
 
-/* One line of the header; false where it cannot be used. */
+/* Reads one line of the header; false where it cannot be used. */
 static bool heed_line(header *h, image_info *info) {
     double v[8];
     bool good = true;
@@ -176,8 +178,8 @@ static int stated_length(const cursor *c) {
                                                                                : 0;
 }
 
-/* ATRIUM's files say "+X W -Y H", which is column after column, but hold rows from the bottom. The scan lines'
- * own length tells the two apart; where both sides are the same, they are taken for ATRIUM's. */
+/* ATRIUM's files say "+X W -Y H", which means column after column, but hold rows from the bottom. The length that a
+ * scan line states tells the two apart; where both sides are the same, the file is taken for ATRIUM's. */
 static bool is_atrium(const header *h, const cursor *c, image_info *info) {
     if (h->width == h->height) {
         image_note(info, IMAGE_NOTE_HEADER,
@@ -186,7 +188,7 @@ static bool is_atrium(const header *h, const cursor *c, image_info *info) {
     return h->width == h->height || stated_length(c) == h->width;
 }
 
-/* The resolution line: which axis is the slower one, and where each one begins. */
+/* Reads the resolution line: which axis is the slower one, and where each one begins. */
 static bool heed_resolution(header *h, const cursor *c, image_info *info) {
     char sign[2], axis[2];
     int size[2];
@@ -207,13 +209,13 @@ static bool heed_resolution(header *h, const cursor *c, image_info *info) {
     const int x = right ? 1 : -1, y = up ? -1 : 1;
     h->lines = columns ? h->width : h->height;
     h->length = columns ? h->height : h->width;
-    h->line_step = columns ? x : y; /* in columns and rows; read_header() makes pixels of it */
+    h->line_step = columns ? x : y; /* in columns and rows; settle_steps() makes pixels of it */
     h->pixel_step = columns ? y : x;
     h->first = (right ? 0 : 1) | (up ? 2 : 0) | (columns ? 4 : 0);
     return true;
 }
 
-/* Steps in pixels, once the size is known to be usable. */
+/* Turns steps in columns and rows into steps in pixels, once the size is known to be usable. */
 static void settle_steps(header *h) {
     const bool columns = h->first & 4;
     const int corner = (h->first & 1 ? h->width - 1 : 0) + (h->first & 2 ? (h->height - 1) * h->width : 0);

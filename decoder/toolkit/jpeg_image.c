@@ -16,7 +16,7 @@
 #include <jpeglib.h>
 #include <jerror.h>
 
-/* libjpeg's error manager with the way back, and the text of the first complaint. */
+/* libjpeg's error manager, where to jump back to, and the texts of the first complaints. */
 typedef struct complaint {
     struct jpeg_error_mgr manager;
     jmp_buf back;
@@ -37,9 +37,9 @@ static void on_error(j_common_ptr common) {
     longjmp(((complaint *)common->err)->back, 1);
 }
 
-/* Level -1 is "corrupt data, going on": refused, but for what does not touch the picture. JWRN_NOT_SEQUENTIAL is
- * said of a scan header whose progressive parameters are wrong, where the file is not progressive and has no
- * use for them. */
+/* At level -1 libjpeg warns of corrupt data and goes on. Such a file is refused, unless the warning does not touch the
+ * picture. JWRN_NOT_SEQUENTIAL warns of a scan header whose progressive parameters are wrong, in a file that is not
+ * progressive and has no use for them. */
 static void on_message(j_common_ptr common, int level) {
     complaint *c = (complaint *)common->err;
     const int code = c->manager.msg_code;
@@ -91,7 +91,8 @@ static int orientation(const struct jpeg_decompress_struct *jpeg) {
     return 1;
 }
 
-/* XMP's orientation is told alone: few readers follow it, and programs that turn pixels leave it behind. */
+/* Notes XMP's orientation, which is not followed: few readers follow it, and programs that turn pixels leave it
+ * behind. */
 static void note_xmp(reading *r) {
     static const char head[] = "http://ns.adobe.com/xap/1.0/";
     for (jpeg_saved_marker_ptr m = r->jpeg.marker_list; m; m = m->next) {
@@ -104,7 +105,7 @@ static void note_xmp(reading *r) {
     }
 }
 
-/* A colour profile; without one, what EXIF says of the colour space. */
+/* Notes a colour profile; without one, what EXIF says of the colour space. */
 static void heed_colour(reading *r) {
     JOCTET *profile = NULL;
     unsigned int size = 0;

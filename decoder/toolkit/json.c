@@ -141,7 +141,7 @@ void json_string(json *j, const char *key, const char *value) {
     }
 }
 
-/* Shortest of the texts with `low` to `high` digits that reads back as the value. */
+/* Writes the shortest of the texts with `low` to `high` digits that reads back as the value. */
 static void append_shortest(json *j, double value, int low, int high, bool single) {
     char text[40];
     for (int digits = low; digits <= high; digits++) {

@@ -60,7 +60,7 @@ static void on_signal(int number) {
     raise(number);
 }
 
-/* A mapped input that another process made shorter: what is missing cannot be read. */
+/* Ends the process when another process has made a mapped input shorter, so that the missing part cannot be read. */
 static void on_bus_error(int number) {
     static const char text[] = "error: a file became shorter while it was read\n";
     (void)number;
@@ -69,7 +69,7 @@ static void on_bus_error(int number) {
     _exit(btf_result_exit_code(BTF_ERROR_IO));
 }
 
-/* Signals that somebody else handles, or that are ignored (nohup), stay as they are. */
+/* Leaves signals as they are that somebody else handles, or that are ignored (nohup). */
 static void install_handlers(void) {
     atexit(output_remove_all);
     const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGBUS};

@@ -31,7 +31,7 @@ const char *output_temporary_path(const output *file);
  * untouched. Errors: BTF_ERROR_IO (named on log). */
 btf_result output_commit(output **file);
 
-/* Closes and removes the temporary file; nulls *file. Accepts NULL inside. */
+/* Closes and removes the temporary file; nulls *file. Does nothing where *file is NULL. */
 void output_abort(output **file);
 
 /* Whether writing to `path` would replace `other`, or the other way round: both name one regular file, or

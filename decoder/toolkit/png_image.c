@@ -39,7 +39,7 @@ static void on_warning(png_structp png, png_const_charp text) {
     (void)text;
 }
 
-/* Everything between the two jumps; objects that live across them belong to the caller. */
+/* Writes the picture. libpng jumps back here on an error: objects that must outlive the jump belong to the caller. */
 static btf_result encode(png_structp png, png_infop info, FILE *stream, int width, int height, int depth,
                          const unsigned char *pixels) {
     if (setjmp(png_jmpbuf(png))) {
@@ -80,8 +80,8 @@ static btf_result write_image(const char *path, int width, int height, int depth
         output_abort(&file);
         return result;
     }
-    /* A failed write shows in the stream, so that commit names the file and the reason; else it was
-     * libpng's. */
+    /* A failed write shows in the stream, and output_commit names the file and the reason. Any other error is one of
+     * libpng. */
     if (result != BTF_OK && !ferror(output_stream(file))) {
         if (log.callback) {
             char message[512];
@@ -129,7 +129,8 @@ static uint32_t number_at(const unsigned char *p) {
     return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
 }
 
-/* The first chunk of a type, wherever it stands, behind the pixels too; NULL. libpng checks the sums. */
+/* The first chunk of a type, wherever it stands, even behind the pixels; NULL: none. libpng checks the chunks'
+ * checksums. */
 static const unsigned char *find_chunk(const unsigned char *data, size_t size, const char *type,
                                        size_t *out_length) {
     for (size_t at = 8; at < size && size - at >= 12;) {
@@ -146,7 +147,7 @@ static const unsigned char *find_chunk(const unsigned char *data, size_t size, c
     return NULL;
 }
 
-/* The code points of ITU-T H.273 that are read: primaries, then transfer functions. */
+/* Reads the code points (ITU-T H.273) of chunk cICP: primaries, then transfer function. */
 static void heed_code_points(const unsigned char *code, image_info *info) {
     static const struct {
         int code;
@@ -230,7 +231,8 @@ static void heed_gamma(const unsigned char *gamma, const unsigned char *chromati
     info->gamma = 1.0 / value;
 }
 
-/* A name, a zero, the method, and the profile, of which libpng hands out none that it finds fault with. */
+/* Reads chunk iCCP: a name, a zero, the compression method, and the profile. It is inflated here, because libpng hands
+ * out no profile that it finds fault with. */
 static void heed_profile(const unsigned char *chunk, size_t length, image_info *out) {
     enum { MOST = 1 << 16 }; /* the description stands near the beginning */
     char name[80] = "";
@@ -256,7 +258,8 @@ static void heed_profile(const unsigned char *chunk, size_t length, image_info *
     free(profile);
 }
 
-/* Notes of a file without colour chunks: a profile among its texts, or EXIF's word. */
+/* Notes what a file without chunk gAMA or any of higher rank says of its colours elsewhere: in a profile among its
+ * texts, or in EXIF. */
 static void heed_texts(const unsigned char *data, size_t size, const unsigned char *exif, size_t exif_size,
                        image_info *out) {
     static const char *const kinds[] = {"icc", "icm"};
@@ -278,7 +281,8 @@ static void heed_texts(const unsigned char *data, size_t size, const unsigned ch
     }
 }
 
-/* Takes the file's word on its colours, from the chunk of the highest rank alone: cICP, iCCP, sRGB, gAMA with cHRM. */
+/* Reads what the file says of its colours, in the chunk of the highest rank alone: cICP, iCCP, sRGB, gAMA with
+ * cHRM. */
 static void heed_colour(const unsigned char *data, size_t size, const unsigned char *exif, size_t exif_size,
                         image_info *out) {
     size_t length, gamma_length = 0, chromaticities_length = 0;
@@ -304,8 +308,8 @@ static void heed_colour(const unsigned char *data, size_t size, const unsigned c
     }
 }
 
-/* Whether the picture is stored turned: as the chunk eXIf says, else EXIF among the texts. XMP is told alone:
- * few readers follow it, and programs that turn pixels leave it behind. */
+/* The picture's orientation: as chunk eXIf says, else EXIF among the texts. XMP's is only noted: few readers follow
+ * it, and programs that turn pixels leave it behind. */
 static int heed_orientation(const unsigned char *data, size_t size, const unsigned char *exif,
                             size_t exif_size, image_info *out) {
     static const char *const kinds[] = {"exif", "APP1"};

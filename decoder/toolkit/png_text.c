@@ -18,7 +18,7 @@ static size_t number_at(const unsigned char *p) {
     return (size_t)p[0] << 24 | (size_t)p[1] << 16 | (size_t)p[2] << 8 | p[3];
 }
 
-/* The beginning of a deflated text, whatever comes behind it; NULL where there is none. */
+/* Inflates a text, as far as its data are sound and at most MOST bytes; NULL where that is nothing. */
 static unsigned char *inflated(const unsigned char *data, size_t size, size_t *out_size) {
     unsigned char *text = malloc(MOST);
     z_stream z = {0};
@@ -104,7 +104,8 @@ unsigned char *png_text_raw_profile(const unsigned char *data, size_t size, cons
     size_t length = 0, used = 0, at = 0;
     snprintf(keyword, sizeof keyword, "Raw profile type %s", kind);
     unsigned char *text = png_text_find(data, size, keyword, &length);
-    /* a line end, the kind and a line end, the number of bytes and a line end, then the digits in lines */
+    /* the text begins with a line end, the kind and a line end, the number of bytes and a line end; then come lines of
+     * digits */
     for (int lines = 0; text && at < length && lines < 3; at++) {
         lines += text[at] == '\n';
     }

@@ -36,7 +36,7 @@ void progress_end(progress *p);
 /* Seconds of a clock that only goes forwards. */
 double progress_clock(void);
 
-/* Core seconds of the process: all threads added. */
+/* Core seconds of the process: those of all threads added. */
 double progress_core_clock(void);
 
 /* True once SIGINT or SIGTERM came. */

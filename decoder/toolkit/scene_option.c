@@ -18,7 +18,8 @@ static const char expected[] =
     "views=T0:T1[:P0:P1],lights=...,view=T:P,light=T:P,pixels=X,count=N,tolerance=DB,"
     "interpolate, still or all";
 
-/* Numbers with colons between, up to the end of the word; returns how many, 0 when there is anything else. */
+/* Reads numbers with colons between them, up to the end of the word; returns how many, 0 when there is anything
+ * else. */
 static int read_numbers(const char *text, size_t length, double out[4]) {
     const char *end = text + length;
     for (int count = 1; count <= 4; count++) {
@@ -67,7 +68,7 @@ static bool set_direction(btf_range *range, const double *n, int count) {
     return true;
 }
 
-/* One word of the list. */
+/* Reads one word of the list. */
 static bool read_word(const char *word, size_t length, scene_option *o) {
     static const char *const keys[] = {
         "views=", "lights=", "view=", "light=", "pixels=", "count=", "tolerance="};
@@ -211,7 +212,7 @@ static void print_left_out(FILE *out, const char *text, const btf_material *mate
     }
 }
 
-/* How a fixed light is folded, or why not. */
+/* Prints how a fixed light, or the sum of several still ones, is folded, or why nothing is. */
 static void print_fold(FILE *out, const char *indent, const btf_material *material, const btf_plan *plan) {
     btf_material_info info = {.struct_size = sizeof info};
     float linear, srgb;

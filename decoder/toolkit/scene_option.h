@@ -31,7 +31,7 @@ typedef struct scene_option {
     "with --plan: the prices of a GPU (JSON, openbtf/cost.h), as tests/bench/gpu.sh\n"                     \
     "measures them; default those of llvmpipe, which are built in"
 
-/* A cli_option's `parse` into a scene_option. */
+/* The `parse` of a cli_option whose value is a scene_option. */
 const char *scene_option_parse(const char *text, void *value);
 
 /* The plan of a material as lines of text, each after `indent`, with scene_plan_reason for each effect. */
@@ -40,8 +40,9 @@ void scene_plan_print(FILE *out, const char *indent, const btf_material *materia
 /* The residual that the plan decodes: "16 components", or "7 units" where its store is factors. */
 const char *scene_plan_amount(const btf_plan *plan, char *text, size_t size);
 
-/* Why the plan decodes effect number `index` (0: shadow .. 4: residual) or does not, by what the file's
- * table predicts: "on, without it -3.2/-2.9 dB", "off, with it +0.1/+0.0 dB"; "not in the file". */
+/* Why the plan decodes effect number `index` (0: shadow .. 6: gloss) or does not, by what the file's table predicts:
+ * "on, without it -3.2/-2.9 dB", "off, with it +0.1/+0.0 dB"; for relief and gloss "on, worth +0.4/+0.3 dB between the
+ * samples"; "not in the file". */
 const char *scene_plan_reason(const btf_material *material, const btf_plan *plan, int index, char *text,
                               size_t size);
 

@@ -127,7 +127,7 @@ static void from_angles(const double angles[2], float out[3]) {
     out[2] = (float)cos(theta);
 }
 
-/* sRGB (IEC 61966-2-1) codes, rounded to the nearest. */
+/* The linear values at which each sRGB code (IEC 61966-2-1) begins, when values are rounded to the nearest code. */
 static void make_thresholds(float thresholds[256]) {
     thresholds[0] = -INFINITY;
     for (int c = 1; c < 256; c++) {
@@ -196,8 +196,8 @@ static btf_result decode_one(const decoder *d) {
     return result;
 }
 
-/* An angle of the file's names: three digits, and as many decimals (up to 4) as it takes to come within
- * `tolerance` degrees. */
+/* Writes an angle as it stands in names of files: three digits, and as many decimals (up to 4) as it takes to come
+ * within `tolerance` degrees. */
 static void angle_text(double degrees, double tolerance, char text[16]) {
     int decimals = 0;
     double scale = 1;
@@ -209,7 +209,7 @@ static void angle_text(double degrees, double tolerance, char text[16]) {
     snprintf(text, 16, "%0*.*f", decimals ? decimals + 4 : 3, decimals, rounded >= 360 ? 0 : rounded);
 }
 
-/* The words tlTTT plPPP of a stored direction, of single precision. */
+/* Writes the two angles of names like tlTTT plPPP, for a stored direction, which is of single precision. */
 static void direction_text(const float d[3], char theta[16], char phi[16]) {
     const double sine = hypot((double)d[0], (double)d[1]), precision = 5e-5;
     double azimuth = atan2((double)d[1], (double)d[0]) * (180 / PI);
@@ -231,7 +231,7 @@ static btf_result make_directory(const char *path) {
     return cli_error(&program, BTF_ERROR_IO, "%s: %s", path, strerror(errno));
 }
 
-/* Every light of a view, into the view's directory. */
+/* Decodes a view under every light, into the folder of the view. */
 static btf_result decode_view(const decoder *d, const btf_directions *views, const btf_directions *lights,
                               uint32_t v, uint32_t l, float *rgb, unsigned char *codes) {
     char path[4096], tv[16], pv[16], tl[16], pl[16];
@@ -302,7 +302,7 @@ static bool is_directory(const char *path) {
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
-/* Whether OUT, which is no folder, ends as images of formats do that are not written. */
+/* Whether OUT is no folder and ends as an image format does that is not written. */
 static bool ends_as_other_image(const char *path) {
     static const char *const endings[] = {".jpg", ".jpeg", ".tif",  ".tiff",
                                           ".hdr", ".bmp",  ".webp", ".zip"};
@@ -363,7 +363,7 @@ static void clear_decoder(decoder *d) {
     free(d->levels);
 }
 
-/* Where an image is decoded: whole texels, or their centres. */
+/* Sets where an image is decoded: at whole texels, or at texture coordinates of their centres. */
 static bool make_positions(decoder *d) {
     const size_t count = (size_t)d->width * d->height;
     d->levels = malloc(count * sizeof *d->levels);

@@ -19,8 +19,8 @@ typedef enum cli_type {
     CLI_BYTES,   /* uint64_t: "512M", "2.5GB", "2GiB", "4096": k, M, G, T are powers of 1000, Ki, Mi, Gi, Ti
                   of 1024, with a B behind or not, in any case */
     CLI_ANGLES,  /* double[2]: "30,120" (theta 0..90, phi -360..360, degrees) */
-    CLI_EFFECTS, /* uint32_t: "shadow,shift,hidden,gain,residual", "none" or "all" (btf_effect bits); with
-                    choices = "auto" also "auto", which gives UINT32_MAX */
+    CLI_EFFECTS, /* uint32_t: btf_effect bits: "none", "all", or some of "shadow,shift,hidden,gain,residual,relief,
+                    gloss"; with choices = "auto" also "auto", which gives UINT32_MAX */
     CLI_CUSTOM,  /* of any type, which `parse` reads */
 } cli_type;
 

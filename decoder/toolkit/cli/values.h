@@ -23,8 +23,9 @@ typedef struct cli_wanted {
  * and leaves the value, when the text is not what *out_wanted says. */
 bool cli_read_value(const cli_option *option, const char *text, cli_wanted *out_wanted);
 
-/* For CLI_CUSTOM: reads a number at the beginning of `text`, finite, of int's range, without space before
- * it. False unless the end of the text or one of `ends` follows, to which *out_end is set (may be NULL). */
+/* For CLI_CUSTOM: reads a number at the beginning of `text`, finite, of int's range, without space before it. Returns
+ * false unless the end of the text or one of the characters in `ends` follows; *out_end (may be NULL) then points
+ * there. */
 bool cli_parse_double(const char *text, const char *ends, double *out, const char **out_end);
 bool cli_parse_int(const char *text, const char *ends, int *out, const char **out_end);
 

@@ -10,7 +10,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* Takes the file's chromaticities. Returns whether it has any that its channels are to be converted by. */
+/* Reads the file's chromaticities; they are Rec. 709's where the file has none, or where its channels are X, Y, Z or a
+ * spectrum. Returns whether the file has any that apply. */
 static bool take_chromaticities(exr_const_context_t context, const exr_choice *choice,
                                 primaries *out_primaries, image_info *info) {
     exr_attr_chromaticities_t c;
@@ -47,7 +48,8 @@ static bool names_space(const char *name) {
     return false;
 }
 
-/* Whether the name of a colour space means linear Rec. 709: "lin_srgb", "Linear Rec.709", "scene_linear". */
+/* Whether the name of a colour space means linear Rec. 709 ("lin_srgb", "Linear Rec.709", "scene_linear"), or values
+ * that are to be taken as they are ("raw", "data"). */
 static bool is_linear_rec709(const char *name) {
     static const char *const linear[] = {"linear",
                                          "scenelinear",
@@ -79,8 +81,8 @@ static bool is_linear_rec709(const char *name) {
     return false;
 }
 
-/* Notes other words of the file on its colours, where it has no chromaticities: OpenEXR has no attribute of
- * its own for it, and writers use several. */
+/* Notes what other attributes say of the colours, of a file without chromaticities. OpenEXR has no attribute of its
+ * own for the name of a colour space, and writers use several. */
 static void note_space(exr_const_context_t context, int part, image_info *info) {
     int32_t count = 0;
     if (exr_get_attribute_count(context, part, &count) != EXR_ERR_SUCCESS) {
@@ -104,7 +106,8 @@ static void note_space(exr_const_context_t context, int part, image_info *info) 
     }
 }
 
-/* A stereo picture in one part: its first view has the names without a layer. */
+/* Notes that one of several views is read: in a part that holds a stereo picture, the channels of the first view have
+ * names without a layer. */
 static void note_views(exr_const_context_t context, const exr_choice *choice, image_info *info) {
     const exr_attribute_t *a;
     if (choice->layer[0] ||

@@ -1,5 +1,5 @@
-/* The attributes of an OpenEXR file that say what its pixels mean: some are obeyed, some refused, of the others
- * the user is told.
+/* The attributes of an OpenEXR file that say what its pixels mean: some are obeyed, some are refused, and the user is
+ * told of the others.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -18,12 +18,12 @@ typedef struct context_device {
     const char *name;
     const context_provider *provider;
     context_request request;
-    const char *gallium_driver; /* GALLIUM_DRIVER, NULL: as the machine has it */
+    const char *gallium_driver; /* value of GALLIUM_DRIVER; NULL: as the environment has it */
     const char *glsl;           /* the #version line's words */
     int enable_gpu_shader5;     /* have_precise through GL_ARB_gpu_shader5 */
 } context_device;
 
-/* The devices that conformance knows; the list ends with a NULL name. Those of one driver differ in API and
+/* The devices that tools and tests take by name; the list ends with a NULL name. Those of one driver differ in API and
  * language version, hence in how exactness is kept. */
 extern const context_device context_devices[];
 

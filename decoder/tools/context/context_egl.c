@@ -83,7 +83,7 @@ static void *create(const context_request *request, char *why, size_t why_size) 
     }
     EGLDisplay surfaceless =
         eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
-    /* BTF_EGL_DEVICE in the environment asks for a device at once, past Mesa's software. */
+    /* BTF_EGL_DEVICE in the environment has EGL devices tried first, so that a GPU is found before Mesa's software. */
     int devices_first = getenv("BTF_EGL_DEVICE") != NULL;
     if ((devices_first && try_devices(self, request)) || try_display(self, surfaceless, request) ||
         (!devices_first && try_devices(self, request))) {

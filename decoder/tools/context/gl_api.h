@@ -91,9 +91,9 @@ typedef struct gl_api {
 /* Fills the table. BTF_ERROR_UNSUPPORTED, naming the function on log, when one is missing. */
 btf_result gl_api_load(gl_api *gl, btf_gl_get_proc_address get, void *user, const btf_log *log);
 
-/* Compiles and links the concatenated parts, at most seven, which end with a NULL; version is the whole
- * head, "#version ..." with its newline. Attribute locations are those of `layout`. 0 on failure, with GL's
- * words on log. */
+/* Compiles and links a vertex and a fragment shader, each of at most seven parts that are joined, and ended by a NULL;
+ * version is the whole head, "#version ..." with its newline. Attribute locations are those of `layout`. 0 on failure,
+ * with GL's words on log. */
 GLuint gl_api_program(const gl_api *gl, const char *version, const char *const *vertex,
                       const char *const *fragment, const btf_log *log);
 

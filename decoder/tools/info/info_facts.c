@@ -83,7 +83,7 @@ size_t between_bytes(const btf_material *material, uint32_t effect) {
     return effect == BTF_EFFECT_RELIEF ? btf_material_texture(material, BTF_TEXTURE_HEIGHTS).size : 0;
 }
 
-/* Words and JSON keys of what is left out. */
+/* What was left out, in words and as JSON keys, by the number of a row (modulo BTF_BETWEEN_NEXT_LEVEL). */
 static const char *const left_out_names[] = {[1] = "view",
                                              [2] = "light",
                                              [3] = "both",

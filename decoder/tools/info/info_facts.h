@@ -39,14 +39,17 @@ typedef struct ring {
 /* Groups directions whose theta differs by less than 0.05 degrees; returns the number of rings. */
 int find_rings(const btf_directions *d, ring rings[BTF_MAX_DIRECTIONS]);
 
-/* The gain of an effect: the row with it less the row without, the richest such pair. False when there is none. */
+/* Finds the gain of an effect: a row of the table with the effect, and the row that differs only in lacking it. Of
+ * several pairs it takes the one with the most effects. False when there is none. */
 bool find_gain(const btf_material_error *errors, size_t count, uint32_t effect,
                const btf_material_error **out_with, const btf_material_error **out_without);
 
-/* Textures that relief alone reads; gloss reads none of its own. */
+/* The bytes that an effect between the samples takes: relief those of its heights; gloss 0, since it reads no texture
+ * of its own. */
 size_t between_bytes(const btf_material *material, uint32_t effect);
 
-/* The level of detail, the words and the JSON key of the first number of a row of btf_between_errors. */
+/* What the first number of a row of btf_between_errors means: the level of detail, and in words and as a JSON key what
+ * was left out. */
 int left_out_level(float number);
 const char *left_out_name(float number);
 const char *left_out_key(float number);
@@ -57,7 +60,7 @@ double decibels(float mse);
 /* The error measured of a level; NULL when none was. */
 const btf_level_error *find_level_error(const btf_material *material, uint32_t level);
 
-/* The textures that the bytes called gpu leave out. */
+/* Whether a texture is a table, which the bytes called gpu leave out. */
 bool is_table(btf_texture_id id);
 
 /* Heights of a relief in texels of level 0, and how many views it acts on. */

@@ -98,7 +98,7 @@ static void json_between_row(json *j, const float *row) {
     json_end(j);
 }
 
-/* The rows of a level. */
+/* Writes the rows of one level. */
 static void json_between(json *j, const btf_material *material, int level) {
     const btf_between_errors e = btf_material_between_errors(material);
     json_object(j, "between");
@@ -152,7 +152,7 @@ static void json_textures(json *j, const btf_material *material, const btf_mater
     json_end(j);
 }
 
-/* The classes of factors that have units. */
+/* Writes the classes of factors that have units. */
 static void json_classes(json *j, const btf_material_info *info) {
     json_array(j, "classes");
     for (int c = 0; c < BTF_FACTOR_CLASSES; c++) {

@@ -13,8 +13,7 @@
 
 enum { LABEL = 16, LINE = 100, MOST_RINGS = 16 };
 
-/* Prints a text of a file: control characters, which a terminal would obey, as \\xNN. Returns its
- * columns. */
+/* Prints a text of a file, with control characters, which a terminal would obey, as \xNN. Returns its columns. */
 static int print_safe(const char *text, int length) {
     int columns = 0;
     for (const char *c = text; c < text + length; c++) {
@@ -64,7 +63,7 @@ static void print_rings(const char *name, const btf_directions *d) {
     print_wrapped(name, text);
 }
 
-/* An effect that changes nothing at the samples, where the other errors are measured. */
+/* Prints the gain of an effect that changes nothing at the samples, where the other errors are measured. */
 static void print_between_gain(const btf_material *material, uint32_t effect) {
     char word[48];
     double gain[2];

@@ -45,13 +45,14 @@ static void bound(const bvh *b, node *n, uint32_t first, uint32_t count) {
     }
 }
 
-/* Less by centre, then by number, so that the order is total. */
+/* Whether triangle p comes before q: by centre, then by number, so that the order is total. */
 static bool before(const bvh *b, uint32_t p, uint32_t q, int axis) {
     double cp = component(b->centres[p], axis), cq = component(b->centres[q], axis);
     return cp < cq || (cp == cq && p < q);
 }
 
-/* Brings the k-th of order[first .. first + count) to its place, smaller ones before it (Hoare). */
+/* Moves the k-th of order[first .. first + count) to its place, with smaller ones before it (C. A. R. Hoare,
+ * "Algorithm 65: Find", 1961). */
 static void select_nth(bvh *b, uint32_t first, uint32_t count, uint32_t k, int axis) {
     int64_t low = first, high = (int64_t)first + count - 1;
     const int64_t target = (int64_t)first + k;
@@ -162,7 +163,8 @@ static bool meets_box(const node *n, const double origin[3], const double invers
     return true;
 }
 
-/* T. Moeller and B. Trumbore, "Fast, minimum storage ray/triangle intersection", 1997. */
+/* Intersects a ray with a triangle (T. Moeller and B. Trumbore, "Fast, minimum storage ray/triangle intersection",
+ * 1997). */
 static void meet_triangle(const bvh *b, uint32_t triangle, vec3 origin, vec3 direction, double t_min,
                           bvh_hit *best) {
     vec3 a = corner(b, triangle, 0), e1 = vec_sub(corner(b, triangle, 1), a),

@@ -60,14 +60,14 @@ static surface_point plane_at(double s, double t) {
     return (surface_point){vec(2 * s - 1, 2 * t - 1, 0), vec(0, 0, 1), vec(1, 0, 0)};
 }
 
-/* The seam is at the back; s grows eastwards, t from the south pole to the north pole. */
+/* The unit sphere. Its seam is at the back; s grows eastwards, t from the south pole to the north pole. */
 static surface_point sphere_at(double s, double t) {
     double longitude = (2 * s - 1) * RENDER_PI, latitude = (t - 0.5) * RENDER_PI;
     vec3 p = vec(cos(latitude) * sin(longitude), sin(latitude), cos(latitude) * cos(longitude));
     return (surface_point){p, p, vec(cos(longitude), 0, -sin(longitude))};
 }
 
-/* Leans towards the default camera on +z, so that the hole is seen. */
+/* A torus that leans towards the default camera on +z, so that its hole is seen. */
 static surface_point torus_at(double s, double t) {
     const double major = 0.68, minor = 0.3, lean = 0.9;
     double a = 2 * RENDER_PI * s, b = 2 * RENDER_PI * t;

@@ -27,14 +27,15 @@ typedef struct mesh {
 
 void mesh_destroy(mesh **m);
 
-/* The built-in meshes, "plane|sphere|torus|drape". uv is 0..1 over the square plane and the drape, 0..2
- * round the sphere's equator and the torus. Errors: BTF_ERROR_USAGE (name, told on log), BTF_ERROR_MEMORY. */
+/* Makes a built-in mesh, "plane|sphere|torus|drape". u and v are 0..1 over the plane and the drape; u is 0..2 round
+ * the sphere's equator and the torus, v is 0..1 there. Errors: BTF_ERROR_USAGE (name, told on log),
+ * BTF_ERROR_MEMORY. */
 btf_result mesh_make(const char *name, const btf_log *log, mesh **out_mesh);
 
 /* True when name is one of the above. */
 bool mesh_is_built_in(const char *name);
 
-/* One normal and tangent all over: a light far away is one direction there. */
+/* Whether normal and tangent are the same all over the mesh: a light far away then has one direction in its frame. */
 bool mesh_is_flat(const mesh *m);
 
 /* Room for a mesh of these sizes, zeroed. NULL when out of memory. */

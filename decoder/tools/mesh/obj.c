@@ -72,12 +72,12 @@ static bool at_end_of_line(const parser *o) {
     return o->p == o->end || *o->p == '\n' || *o->p == '\r' || *o->p == '#';
 }
 
-/* A backslash that ends its line. */
+/* Whether a backslash stands here that ends its line. */
 static bool at_continuation(const parser *o) {
     return o->end - o->p > 1 && o->p[0] == '\\' && (o->p[1] == '\n' || o->p[1] == '\r');
 }
 
-/* Blanks, and line ends behind a backslash. */
+/* Skips blanks, and line ends behind a backslash. */
 static void skip_blanks(parser *o) {
     for (;;) {
         if (o->p < o->end && is_blank(*o->p)) {
@@ -101,7 +101,7 @@ static void skip_line(parser *o) {
     o->line++;
 }
 
-/* The next word, cut to fit; empty at the end of the line. */
+/* Reads the next word, cut to fit; it is empty at the end of the line. */
 static void read_word(parser *o, char *word, size_t size) {
     size_t length = 0;
     skip_blanks(o);
@@ -114,7 +114,8 @@ static void read_word(parser *o, char *word, size_t size) {
     word[length] = '\0';
 }
 
-/* At least `least` numbers, at most 3 are kept, the others 0. */
+/* Reads a vector of at least `least` numbers into the list, which keeps 3: missing ones are 0, further ones are
+ * skipped. */
 static void read_vector(parser *o, list *l, int least, const char *what) {
     float values[3] = {0, 0, 0};
     char word[64], *end;
@@ -142,7 +143,7 @@ static void read_vector(parser *o, list *l, int least, const char *what) {
     push(o, l, values);
 }
 
-/* One reference "v", "v/t", "v//n" or "v/t/n"; indices from 1, or backwards from -1. */
+/* Reads one corner of a face, "v", "v/t", "v//n" or "v/t/n"; indices count from 1, or backwards from -1. */
 static bool read_corner(parser *o, const char *word, corner *out) {
     static const char *const kinds[3] = {"vertex", "texture coordinate", "normal"};
     const char *p = word;
@@ -184,7 +185,7 @@ static const float *element(const parser *o, int kind, int32_t index) {
     return (const float *)o->lists[kind].items + 3 * (size_t)index;
 }
 
-/* Triangles of the corners in o->face. */
+/* Cuts the face into triangles and adds their corners. */
 static void add_face(parser *o) {
     const corner *corners = o->face.items;
     const uint32_t count = (uint32_t)o->face.count;
@@ -253,7 +254,8 @@ static void read_statement(parser *o) {
     }
 }
 
-/* Equal corners share a vertex: an open hash table of corner numbers. */
+/* The hash of a corner (FNV-1a, but over words, G. Fowler, L. C. Noll and K.-P. Vo). Equal corners share a vertex,
+ * which an open hash table finds. */
 static uint32_t hash(const corner *c) {
     uint32_t h = 2166136261u;
     for (int k = 0; k < 3; k++) {
@@ -318,7 +320,7 @@ static mesh *index_corners(const parser *o) {
     return m;
 }
 
-/* Into the unit sphere round the origin. */
+/* Moves and scales the mesh into the unit sphere round the origin. */
 static void fit(mesh *m) {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, radius = 0;
     for (uint32_t i = 0; i < m->vertex_count; i++) {
@@ -347,7 +349,8 @@ static bool has_all_normals(const parser *o) {
     return true;
 }
 
-/* Normals are averaged over all corners at a position, so that seams of uv do not show. */
+/* Sets every normal to the mean over the triangles at its position, weighted by area, so that seams of uv do not
+ * show. */
 static void average_normals(const parser *o, mesh *m) {
     const corner *corners = o->corners.items;
     float *sums = o->lists[2].items; /* one a position */

@@ -12,8 +12,8 @@ typedef struct point {
     double x, y;
 } point;
 
-/* The rest of the polygon, from which no triangle was cut yet: a ring of corners. Those that are not
- * strictly convex can stand in an ear; they lie in a list, and in the cells of a grid. */
+/* The part of the polygon that no triangle was cut from yet: a ring of corners. Corners that are not strictly convex
+ * are called blunt: they can stand in an ear, and lie in a list and in the cells of a grid. */
 typedef struct ring {
     const point *at;
     uint32_t *next, *previous;
@@ -126,7 +126,7 @@ static void cut(ring *r, uint32_t corner) {
     }
 }
 
-/* The ring as it is at the start. */
+/* Sets up the ring of all corners, its list and its grid. */
 static void fill(ring *r, uint32_t count) {
     point high = r->at[0];
     r->low = r->at[0];
@@ -154,9 +154,9 @@ static void fill(ring *r, uint32_t count) {
     }
 }
 
-/* Cuts ear after ear. Behind an ear the next candidate is the corner after it, so that convex polygons
- * become fans. Where a whole round finds no ear the polygon crosses itself, or has no area left: a convex
- * corner goes, or any. */
+/* Cuts ear after ear. After an ear the next candidate is the corner behind it, so that convex polygons become fans.
+ * Where a whole round finds no ear, the polygon crosses itself or has no area left: then a convex corner is cut, or
+ * where there is none any corner. */
 static void cut_ears(ring *r, uint32_t count, uint32_t *out) {
     uint32_t corner = 1;
     for (uint32_t left = count; left > 3; left--) {
@@ -179,11 +179,11 @@ static void cut_ears(ring *r, uint32_t count, uint32_t *out) {
     *out++ = r->next[corner];
 }
 
-/* The corners in the plane that Newell's normal stands on, turning left. */
+/* Projects the corners onto the plane at right angles to Newell's normal, where they turn left. */
 static void project(const vec3 *corners, uint32_t count, point *out) {
     vec3 normal = vec(0, 0, 0);
-    for (uint32_t i = 1; i + 1 < count;
-         i++) { /* from the first corner on, lest its distance from 0 take the digits */
+    /* Seen from the first corner, lest its distance from 0 takes the digits. */
+    for (uint32_t i = 1; i + 1 < count; i++) {
         normal = vec_add(normal,
                          vec_cross(vec_sub(corners[i], corners[0]), vec_sub(corners[i + 1], corners[0])));
     }

@@ -55,7 +55,7 @@ static inline vec3 vec_perpendicular(vec3 n) {
     return vec_unit(vec_sub(axis, vec_mul(n, vec_dot(n, axis))), axis);
 }
 
-/* theta from z, phi from x towards y, degrees. */
+/* The unit vector at theta from z and phi from x towards y, in degrees. */
 static inline vec3 vec_from_angles(double theta, double phi) {
     double t = theta * (RENDER_PI / 180), p = phi * (RENDER_PI / 180);
     return (vec3){sin(t) * cos(p), sin(t) * sin(p), cos(t)};

@@ -36,7 +36,8 @@ static btf_result make_lights(const btf_log *log) {
     return BTF_OK;
 }
 
-/* With --light environment: from the material as the file has it, so that a plan draws the same directions. */
+/* Opens the map of --light environment. Directions are drawn from the material as the file has it, so that they are
+ * the same with a plan. */
 static btf_result open_environment(job *j) {
     float *pixels;
     int width, height;
@@ -113,7 +114,7 @@ static btf_result open_shader(job *j, int frames) {
         request.effects[1] = BTF_EFFECT_SHADOW;
         request.effects[2] = render_options.effects;
     }
-    /* A shader's options take 0 components for all of them. */
+    /* To a shader 0 components mean all of them; to this option none. */
     for (int i = 0; i < request.variants && request.components == 0; i++) {
         request.effects[i] &= ~(uint32_t)BTF_EFFECT_RESIDUAL;
     }
@@ -144,7 +145,7 @@ static btf_result open_shader(job *j, int frames) {
     return result;
 }
 
-/* The panels SBRDF and STVS of figure 13 from another material. */
+/* Opens the other material that the panels SBRDF and STVS of figure 13 show. */
 static btf_result open_baseline(job *j) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_result result = btf_material_open(render_options.baseline, &j->log, &j->baseline);
@@ -177,7 +178,7 @@ static btf_result open_original(job *j) {
     return result;
 }
 
-/* All lights as given, turned by `degrees` of phi. */
+/* Sets all lights to what was given, turned by `degrees` of phi. */
 static void turn_lights(const job *j, double degrees) {
     const double c = cos(degrees * (RENDER_PI / 180)), s = sin(degrees * (RENDER_PI / 180));
     for (size_t i = 0; i < render_options.lights.count && degrees != 0; i++) {
@@ -189,7 +190,7 @@ static void turn_lights(const job *j, double degrees) {
     }
 }
 
-/* The camera or the lights of a frame of an animation. */
+/* Sets the camera or the lights for a frame of an animation. */
 static void set_frame(job *j, int frame) {
     const double degrees = frame * (360.0 / render_options.frames);
     if (render_options.animate == 0) {
@@ -231,7 +232,8 @@ static btf_result find_still_lights(job *j) {
     return result ? cli_error(&render_program, result, "out of memory for lights") : BTF_OK;
 }
 
-/* Finds what never changes, without a plan: a light on a flat mesh, perhaps the view; or several lights and the view. */
+/* Finds, without a plan, what never changes: a light on a flat mesh, perhaps the view, too; or several lights and the
+ * view. */
 static btf_result find_still(job *j) {
     const bool turns = render_options.frames > 1 && render_options.animate != 0;
     if (j->still_lights.count > 0) {
@@ -258,8 +260,7 @@ static btf_result find_still(job *j) {
     return BTF_OK;
 }
 
-/* The plan for a range of frames that begins with `first`, and the material and shader that it calls for.
- */
+/* Makes the plan for a range of frames that begins with `first`, and the material and shader that it calls for. */
 static btf_result plan_frames(job *j, int first) {
     /* A sum of lights takes one evaluation for all of them. */
     const double together = j->still_lights.count > 0 ? (double)render_options.lights.count : 1;
@@ -398,7 +399,7 @@ static btf_result render_all(job *j) {
     return result;
 }
 
-/* The picture must not replace what it is made from. */
+/* Refuses a picture that would replace a file that it is made from. */
 static btf_result check_output(const char *path) {
     const char *inputs[] = {path, render_options.mesh, render_options.environment, render_options.baseline};
     for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++) {

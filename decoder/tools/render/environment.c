@@ -15,7 +15,7 @@
 
 enum { MAX_PIXELS = 1 << 26 };
 
-/* Sums over the map's rectangles. */
+/* Sums from which those over rectangles of the map follow. */
 typedef struct table {
     int width, height;
     double *sums; /* [height + 1][width + 1] of luminance times solid angle */
@@ -92,7 +92,7 @@ static void cut(const table *t, region r, region *out_a, region *out_b) {
     *(across ? &out_b->x0 : &out_b->y0) = at;
 }
 
-/* The light of a region: all of its energy, from the centre of it. */
+/* Adds the light of a region: it has all of the energy, and comes from the centre of that. */
 static bool add_light(light_list *list, const table *t, const float *pixels, region r, double rotate,
                       double gain) {
     light l = {0};
@@ -136,7 +136,7 @@ btf_result light_list_add_environment(light_list *list, int width, int height, c
                 }
             }
             if (have == before) {
-                break; /* single pixels */
+                break; /* every region is a single pixel */
             }
         }
         for (int i = 0; i < have && ok; i++) {
@@ -172,7 +172,7 @@ static void note_contents(int width, int height, const float *pixels, image_info
     }
 }
 
-/* Three channels of one; NULL when out of memory. */
+/* Makes three channels of one and frees that; NULL when out of memory. */
 static float *spread_grey(float *grey, size_t count) {
     float *rgb = malloc(count * 3 * sizeof *rgb);
     for (size_t i = 0; i < 3 * count && rgb; i++) {

@@ -17,7 +17,7 @@ static float *pixel(const picture *p, int x, int y) {
     return p->rgb + 3 * ((size_t)y * (size_t)p->width + (size_t)x);
 }
 
-/* Letters of twice the font's size where there is room, else of its size. */
+/* Draws a text in letters of twice the font's size where there is room, else of its size. */
 static void draw_text(picture *out, int x, int y, int width, const char *text) {
     const int zoom = (int)strlen(text) * FONT_WIDTH * 2 <= width ? 2 : 1;
     for (int i = 0; text[i]; i++) {

@@ -7,13 +7,13 @@
 
 #include "plan_range.h"
 
-/* Wishes beyond the directions and sizes that frames show. */
+/* What a plan for frames is to observe beside the directions and sizes that they show. */
 typedef struct frame_wishes {
     float tolerance; /* dB */
     int interpolate; /* as in btf_scene */
     bool finest;     /* the level of detail is not for the plan to choose */
     const btf_cost_model *costs; /* as in btf_scene */
-    uint32_t still_lights; /* so many that their sum can be folded, 2 at least; 0: none */
+    uint32_t still_lights; /* the number of lights whose sum can be folded, 2 at least; 0: none */
     bool folds;        /* a fixed light or view will be folded where that pays */
     double samples;    /* shown in a frame, for a fold to pay; 0: it is made whether it pays or not */
     size_t fold_bytes; /* the most that a fold may take */

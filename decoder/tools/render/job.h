@@ -40,8 +40,8 @@ typedef struct job {
  * of render_frame and picture_write. */
 btf_result job_render(const job *j, const char *path);
 
-/* Draws and writes the figure of --figure13: the original and three decodes side by side. Errors: those of render_frame and
- * figure_write, BTF_ERROR_MEMORY. */
+/* Draws and writes the figure of --figure13: the original and three decodes side by side. Errors: those of
+ * render_frame and figure_write, BTF_ERROR_MEMORY. */
 btf_result job_render_figure(const job *j, const char *path);
 
 /* Closes all that is open, the lights of the options included. */

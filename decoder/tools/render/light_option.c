@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-/* Comma-separated numbers of at most 1e6; returns how many, 0 when the text is anything else. */
+/* Reads comma-separated numbers of magnitude at most 1e6; returns how many, 0 when the text is anything else. */
 static int read_numbers(const char *text, double *numbers, int most) {
     const int count = cli_parse_doubles(text, numbers, most);
     for (int i = 0; i < count; i++) {
@@ -20,7 +20,7 @@ static int read_numbers(const char *text, double *numbers, int most) {
     return count;
 }
 
-/* Intensity and colour behind the first `n` numbers; false when they are of a wrong count or negative. */
+/* Reads intensity and colour behind the first `n` numbers; false when their count is wrong or one is negative. */
 static bool read_colour(const double *numbers, int count, int n, double colour[3]) {
     double intensity = count > n ? numbers[n] : 1;
     if (count != n && count != n + 1 && count != n + 4) {

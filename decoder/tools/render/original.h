@@ -24,7 +24,7 @@ typedef struct original_data {
     void (*release)(void *owner);
 } original_data;
 
-/* Reads a data set: the renderer knows no format of them, its program hands it the reader
+/* The type of a function that reads a data set: the renderer knows no format of them, its program hands it the reader
  * (decoder/tools/original). Errors, on log: its own. `p` is a progress object or NULL. */
 typedef btf_result original_reader(const char *input, int threads, void *p, const btf_log *log,
                                    original_data *out_data);
@@ -37,7 +37,7 @@ btf_result original_open(original_reader *read, const char *input, const btf_mat
                          int threads, void *p, const btf_log *log, original **out_original);
 void original_close(original **o);
 
-/* Three neighbouring views and lights blended, one texel. */
+/* An evaluator that blends three neighbouring views and three lights of one texel. */
 evaluator original_evaluator(original *o);
 
 /* All samples, as in original_data. */

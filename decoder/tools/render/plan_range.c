@@ -12,7 +12,7 @@
 
 static const float sector_degrees = 360.0f / PLAN_SECTORS;
 
-/* Elevations below this have no azimuth to speak of. */
+/* Directions of a greater z than this have no azimuth to speak of. */
 static const float pole_z = 0.9999f;
 
 static void meet(plan_directions *d, const float direction[3]) {
@@ -32,7 +32,7 @@ static void meet(plan_directions *d, const float direction[3]) {
     }
 }
 
-/* Views and levels of one row of samples, whatever lights them. */
+/* Adds the views and levels of one row of samples, whatever lights them. */
 static void add_views(int width, const table_sample *samples, plan_range *range) {
     for (int x = 0; x < width; x++) {
         if (!(samples[x].view[2] > 0)) {
@@ -44,7 +44,7 @@ static void add_views(int width, const table_sample *samples, plan_range *range)
     }
 }
 
-/* One light of a row of samples. Lights below a sample's horizon decode to black by any material. */
+/* Adds one light of a row of samples, but where it is below the horizon: there every material decodes to black. */
 static void add_light(int width, const float *inputs, const table_sample *samples, plan_range *range) {
     for (int x = 0; x < width; x++) {
         const float *light = inputs + TABLE_INPUTS * x + 5;
@@ -63,7 +63,7 @@ btf_result plan_range_add(const render_scene *scene, plan_range *range) {
     float *inputs = calloc(width, TABLE_INPUTS * sizeof *inputs),
           *weights = calloc(width, 3 * sizeof *weights);
     const bool ok = samples && inputs && weights;
-    for (int i = 0; i < PLAN_SECTORS && scene->environment; i++) { /* light from anywhere */
+    for (int i = 0; i < PLAN_SECTORS && scene->environment; i++) { /* light comes from anywhere */
         const float degrees = sector_degrees * ((float)i + 0.5f);
         const vec3 rim = vec_from_angles(90, (double)degrees);
         const float horizon[3] = {(float)rim.x, (float)rim.y, 0}, normal[3] = {0, 0, 1};
@@ -108,7 +108,7 @@ void plan_range_join(plan_range *range, const plan_range *other) {
     join(&range->light, &other->light);
 }
 
-/* The azimuths that are left by the longest run of empty sectors. */
+/* The azimuths outside the longest run of empty sectors; 0, 0 (all) where no two neighbouring sectors are empty. */
 static void azimuths(const plan_directions *d, float phi[2]) {
     int longest = 0, end = 0;
     for (int from = 0; from < PLAN_SECTORS; from++) {
@@ -154,14 +154,14 @@ btf_scene plan_range_scene(const plan_range *range) {
                        .pixels = ldexpf(1, -range->level)};
 }
 
-/* Elevations of a range, whatever its kind. */
+/* The least and greatest theta of a range, in degrees, also of one that is fixed or holds all. */
 static void elevations(const btf_range *r, double out[2]) {
     const bool all = r->theta[0] == 0 && r->theta[1] == 0;
     out[0] = r->fixed ? acos(fmin((double)r->direction[2], 1)) / DEGREE : (double)r->theta[0];
     out[1] = r->fixed ? out[0] : all ? 90 : (double)r->theta[1];
 }
 
-/* Where azimuths begin and how far they go, 360: all. */
+/* The azimuth at which a range begins, and how many degrees it spans; 360: all. */
 static void turns(const btf_range *r, double *from, double *length) {
     if (r->fixed) {
         *from = atan2((double)r->direction[1], (double)r->direction[0]) / DEGREE;

@@ -30,17 +30,16 @@ btf_result plan_range_add(const render_scene *scene, plan_range *range);
 /* Widens a range by another. */
 void plan_range_join(plan_range *range, const plan_range *other);
 
-/* The range as a scene; elevations are widened by a hundredth of a degree and azimuths to sectors, all
- * where only one sector in a row is empty. A direction that is the same in all samples, bit for bit, is
- * fixed: the light of a flat mesh under one light far away; the view of a flat mesh in parallel projection.
- */
+/* The range as a scene. Theta is widened by a hundredth of a degree; azimuths are widened to whole sectors, or to all
+ * of them where no two neighbouring sectors are empty. A direction that is the same in all samples, bit for bit, is
+ * fixed: the light of a flat mesh under one light far away; the view of a flat mesh in parallel projection. */
 btf_scene plan_range_scene(const plan_range *range);
 
-/* The range of a camera or light that moves: elevations widened by `degrees` and then outward to multiples of
- * them, every azimuth, nothing fixed. */
+/* The range of a camera or light that moves: theta widened by `degrees` and then outward to multiples of them, every
+ * azimuth, nothing fixed. */
 btf_range plan_range_widen(const btf_range *range, float degrees);
 
-/* Every direction of `inner` is in `outer`, and stays in it when inner grows by `slack` degrees. */
+/* Whether every direction of `inner` is in `outer`, and stays in it when inner grows by `slack` degrees. */
 bool plan_range_covers(const btf_range *outer, const btf_range *inner, float slack);
 
 #endif

@@ -64,7 +64,7 @@ static bool allocate(band *b, const render_scene *scene, int count) {
     return ok;
 }
 
-/* Lights, then directions of the environment. */
+/* The number of times that samples are shaded: once for each light, then for each direction of the environment. */
 static size_t count_passes(const render_scene *scene) {
     return scene->lights->count +
            (scene->environment ? (size_t)sampled_environment_count(scene->environment) : 0);

@@ -39,10 +39,10 @@ typedef struct render_scene {
     double background; /* linear grey behind the mesh */
 } render_scene;
 
-/* Renders one picture for each of `count` evaluators, all from the same table: pictures[count], made here,
- * linear. mask[height][width] (may be NULL) is set where the mesh covers the pixel's samples. Sums run
- * light by light, then direction by direction of the environment, then over a pixel's samples row by row, in double precision: the same bits for any number
- * of threads. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED, those of the evaluators. */
+/* Renders one picture for each of `count` evaluators, all from the same table: pictures[count], made here, linear.
+ * mask[height][width] (may be NULL) is set where the mesh covers all samples of the pixel. Sums run light by light,
+ * then direction by direction of the environment, then over a pixel's samples row by row, in double precision: the
+ * same bits for any number of threads. Errors: BTF_ERROR_MEMORY, BTF_ERROR_INTERRUPTED, those of the evaluators. */
 btf_result render_frame(const render_scene *scene, const evaluator *evaluators, int count,
                         picture *pictures, unsigned char *mask, render_times *times, const btf_log *log);
 

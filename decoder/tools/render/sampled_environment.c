@@ -10,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Steps of the R2 sequence (M. Roberts, 2018) in 2^-32: it fills the square evenly from whatever number it starts. */
+/* Steps of the R2 sequence in 2^-32 (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018),
+ * which fills the square evenly from whatever number it starts. */
 static const uint32_t steps[2] = {0xC13FA9A9u, 0x91E10DA5u};
 
 struct sampled_environment {
@@ -116,8 +117,8 @@ void sampled_environment_turn(sampled_environment *environment, double degrees) 
     environment->sine = sin(degrees * (RENDER_PI / 180));
 }
 
-/* The interval of the rising sums[count + 1] that holds a part 0..1 of the last; where in it, in *out_share. Intervals
- * of no length are passed over. */
+/* Finds the interval of the rising sums[count + 1] that holds the part 0..1 of the last sum; *out_share says where in
+ * the interval. Intervals of no length are passed over. */
 static int find(const double *sums, int count, double part, double *out_share) {
     const double at = part * sums[count];
     int low = 0, high = count - 1;
@@ -137,7 +138,8 @@ static int find(const double *sums, int count, double part, double *out_share) {
     return low;
 }
 
-/* A direction in proportion to luminance, even over each pixel's solid angle. The map is not black. */
+/* Draws a direction in proportion to luminance, evenly over the solid angle of each pixel. The map must not be
+ * black. */
 static vec3 draw_of_map(const sampled_environment *e, uint32_t u1, uint32_t u2) {
     double down, across;
     const int y = find(e->rows, e->height, (u1 + 0.5) * 0x1p-32, &down);
@@ -168,7 +170,7 @@ static incident look(const sampled_environment *e, vec3 to_light) {
     return in;
 }
 
-/* A direction by the tables, in the sample's tangent frame, and in the world's. */
+/* Draws a direction by the material's tables. Returns it in the world; out_local is in the sample's tangent frame. */
 static vec3 draw_of_material(const sampled_environment *e, const table_sample *sample, uint32_t u1,
                              uint32_t u2, float out_local[3]) {
     float density;
@@ -180,7 +182,8 @@ static vec3 draw_of_material(const sampled_environment *e, const table_sample *s
         vec_mul(vec_from(sample->normal), l.z));
 }
 
-/* One direction of one sample. random: where the sample's sequences begin, of the map and of the material. */
+/* Fills in one direction of one sample. random: the numbers with which the sample's two sequences begin, of the map
+ * and of the material. */
 static void light_sample(const sampled_environment *e, const table_scene *scene, int index,
                          const uint32_t random[2][3], const table_sample *sample, float *in,
                          float *weight) {

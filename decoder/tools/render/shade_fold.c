@@ -22,7 +22,7 @@ static bool pays(const shader_request *request, const btf_shader_options *option
     if (request->lights == 0) {
         return costs.pixels < request->samples;
     }
-    /* Every light is folded, and one texel is read for all. */
+    /* A fold of a sum takes a pass for each light; a sample then reads one texel for all lights. */
     const double lights = (double)request->lights, samples = request->samples / lights;
     return lights * costs.pass < samples * (lights * (double)costs.unfolded - (double)costs.folded);
 }
@@ -42,11 +42,11 @@ static bool is_worth_it(const shader_request *request, const btf_shader_options 
     return request->fold == SHADER_FOLD_ALWAYS ||
            (btf_fold_layers(&info, options->fold, 1) <=
                 (options->fold == BTF_FOLD_SUM ? (uint32_t)SHADE_SUM_LAYERS
-                                               : BTF_MAX_DIRECTION_LAYERS) && /* that every GL has */
+                                               : BTF_MAX_DIRECTION_LAYERS) && /* every GL has so many */
             pays(request, options));
 }
 
-/* The fold of which a pixel reads least; of several lights that of their sum alone. */
+/* The fold of which a pixel reads least; for several lights, the fold of their sum or none. */
 static btf_fold best_fold(const shader_request *request, const btf_shader_options *options,
                           const btf_log *log) {
     btf_material_info info = {.struct_size = sizeof info};
@@ -82,7 +82,8 @@ btf_shader_options shade_fold_options(const shader_request *request, int variant
                                   .picks = request->picks};
     memcpy(options.fixed_view, request->fixed_view, sizeof options.fixed_view);
     memcpy(options.fixed_light, request->fixed_light, sizeof options.fixed_light);
-    /* Sums of lights, which are rounded otherwise than those of pictures, are the same on every device. */
+    /* Sums of lights are folded on the CPU, too: such sums are rounded otherwise than those of pictures, and shall be
+     * the same on every device. */
     const bool wanted = request->lights > 0
                             ? request->fold != SHADER_FOLD_NEVER && !request->picks
                             : request->fixed & BTF_FIXED_LIGHT &&
@@ -97,7 +98,8 @@ btf_shader_options shade_fold_options(const shader_request *request, int variant
     return options;
 }
 
-/* A row of light and view folded to radiance: of one light, or the sum of the request's. `scratch` has room for a row. */
+/* Folds a row of light and view to radiance: for one light, or the sum of the request's lights. `scratch` has room for
+ * a row. */
 static void fold_both(const btf_ref_material *material, const btf_ref_options *options,
                       const btf_shader_options *folded, const shader_request *request, uint32_t row,
                       float *scratch, float *out) {
@@ -113,7 +115,7 @@ static void fold_both(const btf_ref_material *material, const btf_ref_options *o
     }
 }
 
-/* A level of the sum of lights under a view that moves, by all threads. */
+/* Folds a level of the sum of lights under a view that moves, by all threads. */
 static float *fold_sum(const btf_ref_material *material, const btf_evaluator *evaluator, uint32_t level,
                        const btf_shader_options *folded, const shader_request *request) {
     btf_material_info info = {.struct_size = sizeof info};

@@ -28,8 +28,8 @@ typedef struct gl_device {
     GLuint inputs, levels, outputs, framebuffer, array, colour;
     int width, rows; /* of the textures */
     int variants;
-    int level;       /* of all samples */
-    bool has_levels; /* a level a sample */
+    int level;       /* the level of detail of all samples */
+    bool has_levels; /* each sample has its own level */
     bool stochastic;
     int picked;     /* times that a list is decoded */
     uint32_t drawn; /* random numbers of each place in a list */
@@ -63,19 +63,20 @@ static const char main_text[] =
 static const char decode_text[] =
     "vec3 render_evaluate(vec2 uv, vec3 l, vec3 v) { return btf_evaluate(uv, l, v); }\n";
 
-/* One level of detail for all. */
+/* Decodes one level of detail for all samples. */
 static const char one_level_text[] = "vec3 render_evaluate(vec2 uv, vec3 l, vec3 v) {\n"
                                      "    return btf_evaluate_level(uv, l, v, RENDER_LEVEL);\n"
                                      "}\n";
 
-/* One a sample. */
+/* Decodes the level of detail that each sample asks for. */
 static const char level_text[] =
     "vec3 render_evaluate(vec2 uv, vec3 l, vec3 v) {\n"
     "    uint level = texelFetch(render_levels, ivec2(gl_FragCoord.xy), 0).x;\n"
     "    return btf_evaluate_level(uv, l, v, int(level));\n"
     "}\n";
 
-/* The sum of picks, RENDER_LEVEL a number or the texture of levels. */
+/* Sums the picks of a sample. RENDER_LEVEL is the level of all samples; below 0, each sample has its own in a
+ * texture. */
 static const char stochastic_text[] =
     "uniform int render_picked, render_drawn;\n"
     "vec3 render_evaluate(vec2 uv, vec3 l, vec3 v) {\n"
@@ -216,8 +217,9 @@ static btf_result make_variant(gl_device *d, const context_device *device, const
     return btf_gl_bind(d->material, d->programs[variant], UNIT_MATERIAL, NULL, log, NULL);
 }
 
-/* Exact decoding must be exact here; levels of detail must be fetched from, and factors be whole numbers,
- * whatever the arithmetic. */
+/* Checks what the request needs of the device: exact arithmetic where it asks for that; whatever the arithmetic, right
+ * fetches from levels of detail and from lists of points, and factors that are multiplied and fetched as whole
+ * numbers. With fast math nothing is checked for a material of one level without factors. */
 static btf_result check_device(gl_device *d, const context_device *device, const shader_request *request,
                                const btf_log *log) {
     const btf_gl_options options = {sizeof options, context_get_proc_address, d->context, NULL};
@@ -411,7 +413,7 @@ static btf_result run(void *self, int variant, int width, int rows, const float 
         d->gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R32UI, width, rows, 0, GL_RED_INTEGER, GL_UNSIGNED_INT,
                          d->bits);
     }
-    /* Variants that read other textures share the units. */
+    /* Bound anew in each run, because variants that read other textures use the same texture units. */
     const btf_result bound = btf_gl_bind(d->material, d->programs[variant], UNIT_MATERIAL, NULL, log, NULL);
     if (bound) {
         return bound;

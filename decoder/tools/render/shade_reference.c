@@ -20,7 +20,7 @@ typedef struct reference {
     btf_evaluate_options options[SHADER_VARIANTS];
     int threads;
     btf_ref_folded folded[SHADER_VARIANTS][BTF_MAX_LEVELS]; /* without values: nothing is */
-    /* Stochastic decode, where picks is not 0. */
+    /* For the reference decoder: stochastic decode, where picks is not 0, and folds. */
     btf_ref_material level[BTF_MAX_LEVELS];
     btf_ref_options reference_options[SHADER_VARIANTS];
     int levels, picks, picked;
@@ -41,7 +41,8 @@ static void destroy(void *self) {
     free(r);
 }
 
-/* Makes ready the reference decoder, which decodes in place of the library's evaluator where picks are drawn or folded. */
+/* Makes ready the reference decoder, which takes the place of the library's evaluator where a list is decoded
+ * stochastically or from a fold. */
 static void prepare_reference(reference *self, const shader_request *request) {
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(request->material, &info);

@@ -1,4 +1,4 @@
-/* The reference decoder as a device.
+/* The CPU as a device, with the bits of the reference decoder.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* Evaluating a material over lists of (u, v, view, light): on the CPU by the reference decoder, or on a GL
+/* Evaluates a material over lists of (u, v, view, light): on the CPU with the bits of the reference decoder, or on a GL
  * device by the GLSL library. With exact math both give the same bits.
  *
  * SPDX-License-Identifier: MIT
@@ -10,15 +10,15 @@
 
 typedef struct shader shader;
 
-/* The material must outlive it. Errors, on log: BTF_ERROR_USAGE (unknown device: the message lists them;
- * fast math on the reference), BTF_ERROR_UNSUPPORTED (no such context here, or one that does not keep to
- * FORMAT.md's arithmetic, or does not fetch the level that a pixel asks for: the message says why),
- * BTF_ERROR_MEMORY, BTF_ERROR_INTERNAL (GLSL refused). */
+/* The material must outlive it. Errors, on log: BTF_ERROR_USAGE (unknown device: the message lists them; fast math on
+ * the reference), BTF_ERROR_UNSUPPORTED (no such context here, or one that does not keep to FORMAT.md's arithmetic, or
+ * fetches levels, factors or lists of points wrongly: the message says which), BTF_ERROR_MEMORY, BTF_ERROR_INTERNAL
+ * (GLSL refused). */
 btf_result shader_create(const shader_request *request, const btf_log *log, shader **out_shader);
 void shader_destroy(shader **s);
 
-/* Names what variant 0 has folded, and its bytes: "light, 5308416 bytes", "light and view, 65536 bytes", "3 lights and view, 65536 bytes",
- * "nothing". */
+/* Names what variant 0 has folded, and its bytes: "light, 5308416 bytes", "light and view, 65536 bytes", "3 lights and
+ * view, 65536 bytes", "nothing". */
 const char *shader_folded(const shader *s);
 
 /* Whether every variant shows the sum of the request's `lights`, each with its weight: sum = sum + radiance * weight in

@@ -30,15 +30,16 @@ typedef struct shader_request {
     uint32_t fixed; /* as in btf_shader_options: what is the same in every list */
     float fixed_view[3], fixed_light[3];
     shader_fold fold;
-    double samples; /* to be shaded by each variant, about; under all lights */
-    /* Lights that are the same in every list, whose sum is shown as that of one light where it can be folded: to radiance
-     * where the view is fixed; else as BTF_FOLD_SUM, which is not to the bit, where sum_of_views says so. The light is not
-     * fixed. 0: none. Both [lights][3]: unit vectors of the tangent frame, irradiance / pi. */
+    double samples; /* about how many each variant will shade, under all lights together */
+    /* Lights that are the same in every list. Where their sum can be folded, it is shown as that of one light: folded
+     * to radiance where the view is fixed; else, where sum_of_views says so, as BTF_FOLD_SUM, which is not exact to
+     * the bit. `fixed` does not count them as a fixed light. 0: none. Both arrays [lights][3]: unit vectors of the
+     * tangent frame; irradiance / pi. */
     size_t lights;
     const float *light_directions, *light_weights;
     bool sum_of_views;
-    btf_picks picks; /* other than none: a list is decoded stochastically, */
-    int picked; /* so many times, 1 at least, of which the mean is taken; every list by other random numbers */
+    btf_picks picks; /* other than none: a list is decoded stochastically */
+    int picked; /* the number of picks whose mean is taken, 1 at least; each list has its own random numbers */
     int level;                   /* the level of detail that every sample asks for; below 0: they differ */
     int threads;                 /* of the reference */
     const btf_cost_model *costs; /* of the device, to tell what pays; NULL: those of llvmpipe */

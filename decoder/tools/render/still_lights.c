@@ -27,8 +27,8 @@ static bool same_frame(const table_sample *a, const table_sample *b) {
            memcmp(a->normal, b->normal, sizeof a->normal) == 0;
 }
 
-/* Whether all samples have one tangent frame, by which a light far away has one direction, and whether they have one view;
- * *first is one of them. */
+/* Finds whether all samples have one tangent frame, in which a light far away has one direction, and whether they have
+ * one view; *first is one of the samples. */
 static btf_result find_frame(const render_scene *scene, table_sample *first, bool *out_same,
                              bool *out_same_view) {
     table_scene table = scene->table;

@@ -1,5 +1,5 @@
-/* Several lights that are the same in every sample of a picture: on a flat mesh under lights far away, so that their sum
- * can be folded (openbtf/fold.h); seen in parallel projection the view is the same as well.
+/* Several lights that are the same in every sample of a picture, so that their sum can be folded (openbtf/fold.h):
+ * lights far away on a flat mesh. In parallel projection the view is the same as well.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -18,9 +18,9 @@ typedef struct still_lights {
     light together; /* stands for all of them where a shader shows their sum: the first, of colour 1 */
 } still_lights;
 
-/* Casts the picture and fills in *out where two or more lights of the scene, all of them directional, no environment and
- * no shadows that are cast, shine on every sample from the same directions, bit for bit; else *out is all zeros. Errors:
- * BTF_ERROR_MEMORY. */
+/* Casts the picture and fills in *out where two or more lights shine on every sample from the same directions, bit for
+ * bit: all lights of the scene must be directional, without an environment and without cast shadows. Else *out is all
+ * zeros. Errors: BTF_ERROR_MEMORY. */
 btf_result still_lights_find(const render_scene *scene, still_lights *out);
 void still_lights_clear(still_lights *lights);
 

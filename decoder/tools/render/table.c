@@ -28,7 +28,7 @@ static void primary_ray(const table_scene *s, const camera_frame *f, double x, d
     *direction = f->distance > 0 ? vec_unit(vec_sub(target, *origin), vec(0, 0, -1)) : vec_mul(f->back, -1);
 }
 
-/* Attribute of a hit from those of the corners. */
+/* Interpolates an attribute of the corners at the hit. */
 static double blend(const bvh_hit *h, float a, float b, float c) {
     return (double)a + h->b * ((double)b - (double)a) + h->c * ((double)c - (double)a);
 }
@@ -42,8 +42,8 @@ static float fraction(double c) {
     return f < 1 ? f : 0;
 }
 
-/* Step of uv, in texels, from the hit to where another ray meets the plane of the triangle; infinite where
- * it does not. */
+/* The length of the step of uv, in texels, from the hit to where another ray meets the plane of the triangle; infinite
+ * where it does not. */
 static double footprint(const table_scene *s, const bvh_hit *h, vec3 at, vec3 origin, vec3 direction) {
     const uint32_t *t = s->mesh->triangles + 3 * (size_t)h->triangle;
     const mesh_vertex *a = s->mesh->vertices + t[0], *b = s->mesh->vertices + t[1],

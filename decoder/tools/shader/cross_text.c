@@ -33,7 +33,8 @@ static bool is_word(char c) {
     return isalnum((unsigned char)c) || c == '_';
 }
 
-/* A copy in which words that are `from`, or begin with it where `whole` is false, have `to` in its place. */
+/* A copy in which `to` takes the place of words that are `from`, or where `whole` is false of the beginnings of words
+ * that begin with it. */
 static char *replace(const char *text, const char *from, const char *to, bool whole) {
     const size_t from_size = strlen(from), to_size = strlen(to);
     size_t found = 0;
@@ -64,7 +65,8 @@ char *cross_replace_prefix(const char *text, const char *from, const char *prefi
     return replace(text, from, to, false);
 }
 
-/* Removes what begins with `begin` at the beginning of a line, up to and with `end`; false where it is not there. */
+/* Removes the text from `begin`, at the beginning of a line, to the end of the next `end`; false where it is not
+ * there. */
 static bool cut(char *text, const char *begin, const char *end) {
     char *from = strstr(text, begin);
     while (from && from != text && from[-1] != '\n') {
@@ -79,8 +81,8 @@ static bool cut(char *text, const char *begin, const char *end) {
     return true;
 }
 
-/* Constants at file scope that SPIRV-Cross made up are called _123: they get the prefix. Takes over and returns a
- * text; NULL without memory. */
+/* Gives the prefix to constants at file scope that SPIRV-Cross made up and called _123. Takes over a text and returns
+ * one; NULL without memory. */
 static char *name_constants(char *text, const char *keyword, const char *prefix) {
     const char *line = text;
     char name[32], better[80];
@@ -139,7 +141,8 @@ btf_result cross_hlsl(const char *text, const char *prefix, const btf_log *log, 
     return finish(copy, known, "HLSL", log, out_text);
 }
 
-/* The text up to `end`, every product protected, with its sign of zero; NULL without memory. Fast math protects none. */
+/* Copies the text up to `end` and protects every product in it, with the sign of a zero; NULL without memory. Fast
+ * math protects none. */
 static char *protect_products(const char *text, const char *end) {
     static const struct {
         const char *written, *better;

@@ -42,7 +42,7 @@ static bool is_at(int fd, const char *path) {
            opened.st_ino == named.st_ino;
 }
 
-/* A folder, with the files in it that are ours. Links are not followed. */
+/* Removes a folder, with the files in it that are ours. Links are not followed. */
 static void remove_folder(const char *path, folder_is_ours *is_ours) {
     const int fd = open_folder(AT_FDCWD, path);
     DIR *listing = fd < 0 ? NULL : fdopendir(fd);
@@ -83,8 +83,9 @@ static void remove_stale(const char *parent, const char *name, size_t length, fo
     closedir(listing);
 }
 
-/* Makes f->temporary and locks it; false with errno set. Between the two steps another run may take it for a stale one:
- * then it is left to that run, and the next name is tried. Where the file system has no locks nobody takes it. */
+/* Makes f->temporary and locks it; false with errno set. Between the two steps another run may take the folder for a
+ * stale one: then it is left to that run, and the next name is tried. Where the file system has no locks, no run takes
+ * it. */
 static bool make_temporary(folder *f, const char *parent, const char *name, size_t length) {
     for (int attempt = 0; attempt < 100; attempt++) {
         if (snprintf(f->temporary, sizeof f->temporary, "%s/.%.*s.%ld-%d.tmp", parent, (int)length, name,
@@ -210,8 +211,8 @@ const char *folder_file(folder *f, const char *name) {
     return length < (int)sizeof f->file ? f->file : NULL;
 }
 
-/* The new folder and the one that is there change places: in one step where the file system can, else in three, between
- * which nothing is at the path. */
+/* Lets the new folder and the one that is there change places: in one step where the file system can, else in three,
+ * between which nothing is at the path. */
 static int exchange(folder *f) {
     if (renameat2(AT_FDCWD, f->temporary, AT_FDCWD, f->path, RENAME_EXCHANGE) == 0) {
         return 0;
@@ -235,8 +236,8 @@ static int exchange(folder *f) {
 
 btf_result folder_commit(folder **folder_to_commit) {
     folder *f = *folder_to_commit;
-    const int failed =
-        f->there ? exchange(f) : rename(f->temporary, f->path); /* an empty one is replaced by rename */
+    /* rename replaces an empty folder */
+    const int failed = f->there ? exchange(f) : rename(f->temporary, f->path);
     const btf_result result = failed ? BTF_ERROR_IO : BTF_OK;
     if (failed) {
         file_say(&f->log, "%s: cannot rename %s: %s", f->path, f->temporary, strerror(errno));

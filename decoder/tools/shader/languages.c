@@ -82,7 +82,7 @@ const char *const *language_functions(const btf_shader_options *options) {
     return options->picks ? picked : all;
 }
 
-/* A block comment in front of a text: every language but SPIR-V has them. Takes `body` over. */
+/* Puts a block comment in front of a text, which every language but SPIR-V has. Takes over `body`. */
 static btf_result comment(language l, const char *prefix, char *body, const btf_log *log, char **out_data,
                           size_t *out_size) {
     char upper[64];

@@ -74,8 +74,9 @@ static void write_material(json *j, const btf_material_info *info) {
     json_end(j);
 }
 
-/* A function's head as the text has it, on one line: from the beginning of its line to the bracket that closes its
- * parameters, or to the brace behind what WGSL returns. Freed by the caller; NULL where the text has no such function. */
+/* The head of a function as the text has it, on one line: from the beginning of its line to the bracket that closes
+ * its parameters, or to the brace behind what WGSL returns. Freed by the caller; NULL where the text has no such
+ * function. */
 static char *signature(const char *text, const char *prefix, const char *function, language l) {
     char name[80];
     snprintf(name, sizeof name, "%s_%s(", prefix, function);

@@ -64,7 +64,7 @@ static void pad(header *h, size_t to) {
     h->size = end;
 }
 
-/* Key, zero, value, zero; the length in front does not count the padding. */
+/* Writes key, zero, value, zero; the length in front of them does not count the padding behind. */
 static void put_key(header *h, const char *key, const char *value) {
     const size_t key_size = strlen(key) + 1, value_size = strlen(value) + 1;
     put_32(h, (uint32_t)(key_size + value_size));
@@ -91,7 +91,7 @@ static void put_descriptor(header *h, const texture_format *f) {
     put_32(h, 2 | block << 16);                    /* version 1.3 of the specification */
     put_32(h, RGBSDA | BT709 << 8 | LINEAR << 16); /* no flags: alpha is not premultiplied */
     put_32(h, 0);                                  /* blocks of 1 x 1 x 1 x 1 */
-    put_32(h, texel);                              /* bytes of plane 0 */
+    put_32(h, texel);                              /* bytes of planes 0 to 3: only plane 0 has any */
     put_32(h, 0);                                  /* and of planes 4 to 7 */
     for (uint32_t c = 0; c < f->channels; c++) {
         const uint32_t bits = 8 * f->component, qualifiers = f->kind == 'f'   ? FLOAT | SIGNED
@@ -99,7 +99,7 @@ static void put_descriptor(header *h, const texture_format *f) {
                                                                               : 0;
         put_32(h, bits * c | (bits - 1) << 16 | ((c == 3 ? ALPHA : c) | qualifiers) << 24);
         put_32(h, 0); /* position in the block */
-        /* The numbers that stand for -1 (for 0 of unsigned ones) and for 1: integers are not normalised. */
+        /* The numbers that stand for -1 (in unsigned channels for 0) and for 1; integers are not normalised. */
         put_32(h, f->kind == 'f' ? 0xBF800000u : f->kind == 'i' ? 0xFFFFFFFFu : 0);
         put_32(h, f->kind == 'f' ? 0x3F800000u : 1);
     }
@@ -208,7 +208,7 @@ static void make_raw(const texture_levels *t, texture_place *places) {
     }
 }
 
-/* Bytes up to an offset, zeros where there are none yet, then the data. */
+/* Writes zeros up to an offset, if the file does not reach that far, then the data. */
 static int write_at(FILE *stream, uint64_t *at, uint64_t offset, const void *data, size_t size) {
     for (; *at < offset; ++*at) {
         putc(0, stream);

@@ -19,7 +19,8 @@
 
 #ifdef HAVE_GLSLANG
 
-/* Textures without samplers, as HLSL and Metal have them: 20 bindings would be more samplers than Direct3D has. */
+/* Declares textures without samplers, as HLSL and Metal have them: with one a texture there would be up to 20, and
+ * Direct3D 11 has 16. */
 static const char separate_textures[] = "#extension GL_EXT_samplerless_texture_functions : require\n"
                                         "#define sampler2D texture2D\n"
                                         "#define sampler2DArray texture2DArray\n"
@@ -27,8 +28,8 @@ static const char separate_textures[] = "#extension GL_EXT_samplerless_texture_f
                                         "#define usampler2DArray utexture2DArray\n"
                                         "#define isampler2DArray itexture2DArray\n";
 
-/* Evaluates an array of records, which are words, so that no device rounds or flushes what only passes through. P_
- * stands for the prefix. */
+/* The entry point evaluates an array of records. They are words, so that no device rounds or flushes what only passes
+ * through. P_ stands for the prefix. */
 static const char entry_begin[] =
     "layout(local_size_x = 64) in;\n"
     "layout(set = %u, binding = 0, std430) buffer P_entry { uint P_words[]; };\n"
@@ -44,7 +45,7 @@ static const char entry_random[] =
 static const char entry_one[] = "    radiance = P_evaluate_level(uv, l, v, int(level));\n";
 static const char entry_one_random[] =
     "    radiance = P_evaluate_stochastic_between(uv, l, v, level, random);\n";
-/* SPIRV-Cross writes the functions that are called: all that callers may want are. */
+/* SPIRV-Cross writes only functions that are called, so this calls all that programs may want. */
 static const char entry_all[] = "    if (level == -1.0)\n"
                                 "        radiance = P_evaluate(uv, l, v);\n"
                                 "    else if (level == -2.0)\n"

@@ -19,8 +19,9 @@ typedef struct translate_source {
     int stochastic;          /* btf_evaluate_stochastic and its kin stand in place of btf_evaluate */
 } translate_source;
 
-/* Evaluations of a work group, and words of 32 bits of an evaluation: texture coordinates (2 floats), light (3), view (3),
- * level (a float), then the result (3), which holds random numbers before where the decode is stochastic. */
+/* The number of evaluations of a work group, and of words of 32 bits of an evaluation: texture coordinates (2 floats),
+ * light (3), view (3), level (a float), then the result (3), in whose place stand random numbers before a stochastic
+ * decode. */
 enum { TRANSLATE_GROUP = 64, TRANSLATE_RECORD = 12, TRANSLATE_RESULT = 9 };
 
 /* A compute shader `main` that decodes an array of evaluations, in a buffer at binding 0 of the next descriptor set, in

@@ -13,7 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Errors go to stderr and to the panel. */
+/* Errors and warnings go to stderr and to the panel. */
 static void log_message(void *user, btf_log_level level, const char *message) {
     viewer *v = user;
     if (level <= BTF_LOG_WARNING) {
@@ -32,7 +32,7 @@ static viewer *viewer_of(GLFWwindow *window) {
     return glfwGetWindowUserPointer(window);
 }
 
-/* The program's own codes of GLFW's keys; letters and digits are the same. */
+/* The program's own code of a GLFW key; those of letters and digits are the same. */
 static int key_code(int key) {
     switch (key) {
     case GLFW_KEY_ESCAPE:
@@ -120,8 +120,8 @@ static void on_scroll(GLFWwindow *window, double dx, double dy) {
     viewer_tell(v, text);
 }
 
-/* Whether a file is a model rather than a material, by its content: one that ends in .obj, or text that
- * begins as statements or comments of OBJ do. */
+/* Whether a file is a model rather than a material: no EXR file, and it either has a name in .obj or begins as
+ * statements or comments of OBJ do. */
 static bool is_model(const char *path) {
     char begin[256] = "";
     FILE *file = file_is_exr(path) ? NULL : fopen(path, "rb");
@@ -192,7 +192,7 @@ static btf_result open_window(viewer *v) {
     return gl_api_load(&v->gl, find_function, NULL, &v->log);
 }
 
-/* A device that does not keep to the format's arithmetic is drawn with all the same, and told. */
+/* Warns of a device that does not keep to the format's arithmetic; it is drawn with all the same. */
 static btf_result check_device(viewer *v) {
     const btf_gl_options gl_options = {sizeof gl_options, find_function, NULL, NULL};
     uint32_t failures = 0;

@@ -31,7 +31,7 @@ typedef struct variant {
     btf_filter filter;
     btf_math math;
     bool images, levels, stochastic;
-    bool folded; /* reads a fold, or would where there is one */
+    bool folded; /* reads a fold where there is one */
 } variant;
 
 typedef struct program {
@@ -60,7 +60,7 @@ struct drawing {
     double repeat;
     original_texture images;
     bool have_precise;
-    bool folds_refused;          /* by GL: it was told once, and no other is tried */
+    bool folds_refused;          /* by GL: the user was told once, and no other fold is tried */
     const btf_cost_model *costs; /* that say when a fold pays; NULL: those of llvmpipe */
     history *history;
     view_state accumulated; /* the state that the history is of */
@@ -299,7 +299,7 @@ static btf_result find_program(drawing *d, source *s, const variant *v, const bt
     return BTF_OK;
 }
 
-/* Column-major projection of the world for a camera frame. */
+/* Makes the column-major matrix that projects the world for a camera frame. */
 static void make_matrix(const camera_frame *f, int width, int height, float m[16]) {
     const double smaller = width < height ? width : height, near = 0.05, far = f->distance + 4;
     const double sx = f->distance / f->half * smaller / width,
@@ -319,13 +319,13 @@ static void make_matrix(const camera_frame *f, int width, int height, float m[16
     m[15] = (float)f->distance;
 }
 
-/* A fold is made anew where effects or interpolation were switched, or textures were gone. The right half of a split
- * screen, which shows other effects, is drawn without. */
+/* Makes a fold anew where effects or interpolation were switched, or textures were gone. The right half of a split
+ * screen, which shows other effects, is drawn without a fold. */
 static btf_result fold_again(drawing *d, source *s, const variant *v, double pixels, const btf_log *log) {
     return !v->folded || !(s->plan.shader.fixed & BTF_FIXED_LIGHT) ? BTF_OK : fold(d, s, v, pixels, log);
 }
 
-/* The images know the directions of the whole material alone. */
+/* Draws one side of the picture. Images are drawn with the whole material, whose directions alone they know. */
 static btf_result draw_side(drawing *d, int used, const view_state *s, const variant *v, int width,
                             int height, const btf_log *log) {
     source *from = &d->sources[v->images ? 0 : used];
@@ -428,7 +428,7 @@ btf_result drawing_try_plan(drawing *d, int slot, const view_state *s, int width
     return result;
 }
 
-/* Whether two states show the same picture before it is exposed. */
+/* Whether two states show the same picture left of the split, but for the exposure. */
 static bool same_picture(const view_state *a, const view_state *b) {
     return a->theta == b->theta && a->phi == b->phi && a->light_theta == b->light_theta &&
            a->light_phi == b->light_phi && a->zoom == b->zoom && a->mesh == b->mesh &&
@@ -437,7 +437,7 @@ static bool same_picture(const view_state *a, const view_state *b) {
            (a->split == VIEW_SPLIT_OFF) == (b->split == VIEW_SPLIT_OFF);
 }
 
-/* One more sample of each pixel left of the split, then the mean of all. */
+/* Draws one more sample of each pixel left of the split, then shows the mean of all. */
 static btf_result accumulate(drawing *d, const view_state *s, const variant *v, int width, int height,
                              const btf_log *log) {
     if (!d->history && !(d->history = history_create(d->gl, log))) {

@@ -71,7 +71,8 @@ btf_result drawing_set_mesh(drawing *d, const mesh *m, double repeat, const btf_
  * when they are first needed. Errors: BTF_ERROR_INTERNAL (GLSL refused), BTF_ERROR_MEMORY. */
 btf_result drawing_draw(drawing *d, const view_state *s, int width, int height, const btf_log *log);
 
-/* Samples of a pixel that the last picture of a stochastic state is the mean of; each drawing of the same state adds one. */
+/* The number of samples of a pixel whose mean the last picture of a stochastic state is; each drawing of the same
+ * state adds one. */
 int drawing_samples(const drawing *d);
 
 #endif

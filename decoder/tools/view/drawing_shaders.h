@@ -22,7 +22,7 @@ static const char vertex_text[] = "layout(location = 0) in vec3 position;\n"
                                   "    gl_Position = view_to_clip * vec4(position, 1.0);\n"
                                   "}\n";
 
-/* As table.c builds frames: turned to the viewer, the view raised to just above the horizon. */
+/* Builds the frame as table.c does: turned to the viewer, the view raised to just above the horizon. */
 static const char fragment_text[] =
     "in vec3 f_position, f_normal;\n"
     "in vec2 f_uv;\n"
@@ -63,7 +63,7 @@ static const char level_text[] =
     "    return btf_evaluate_level(uv, l, v, int(btf_level(view_steps.xy, view_steps.zw) + 0.5));\n"
     "}\n";
 
-/* One neighbour, and one level between two. */
+/* Decodes stochastically: one of the neighbours, and one of the two levels that a pixel lies between. */
 static const char stochastic_text[] =
     "#define VIEW_HISTORY\n"
     "uniform sampler2D view_history;\n"
@@ -75,7 +75,7 @@ static const char stochastic_text[] =
     "    return btf_evaluate_stochastic_between(uv, l, v, level, random);\n"
     "}\n";
 
-/* The images: layer = view, tile = light. */
+/* Looks up the images: a layer for each view, a tile in it for each light. */
 static const char images_text[] =
     "uniform sampler2DArray view_images;\n"
     "uniform int view_columns;\n"

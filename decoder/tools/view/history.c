@@ -19,7 +19,7 @@ static const char vertex_text[] =
     "    gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);\n"
     "}\n";
 
-/* Where nothing was drawn the window keeps its background. */
+/* Shows the mean; where nothing was drawn the window keeps its background. */
 static const char fragment_text[] =
     "uniform sampler2D view_history;\n"
     "uniform float exposure;\n"

@@ -24,7 +24,8 @@ bool light_fold_wanted(const btf_material *material, const btf_shader_options *o
            btf_fold_cost(material, &folded, &scene).pixels <= LIGHT_FOLD_FRAMES * pixels;
 }
 
-/* Whether both keep the same values: relief and filter act on what is kept. */
+/* Whether folds for both options hold the same values. Relief and filter do not count: they act on what a fold
+ * holds. */
 static bool keep_the_same(const btf_shader_options *a, const btf_shader_options *b) {
     const uint32_t kept = BTF_EFFECT_ALL & ~(uint32_t)BTF_EFFECT_RELIEF;
     return (a->leave_out & kept) == (b->leave_out & kept) && a->components == b->components &&

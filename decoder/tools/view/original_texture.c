@@ -7,7 +7,7 @@
 #include "decoder/toolkit/file.h"
 #include <stdlib.h>
 
-/* The samples of a view, [channel][light] at each texel, as tiles [row][column][channel] of a layer. */
+/* Writes the samples of a view, [channel][light] at each texel, as tiles [row][column][channel] of a layer. */
 static void fill_layer(const btf_material_info *info, const float *samples, uint32_t view, int columns,
                        float *layer) {
     const size_t lights = info->n_lights, texels = (size_t)info->width * info->height;

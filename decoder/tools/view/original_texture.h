@@ -15,9 +15,9 @@ typedef struct original_texture {
 } original_texture;
 
 /* Uploads the images of the material's directions: a layer for each view, in it a tile of the material's size for each
- * light, row by row, in RGB9_E5. Leaves the texture bound to `unit`. Errors, on log: BTF_ERROR_UNSUPPORTED (a layer, or the
- * number of layers, exceeds GL's limits), BTF_ERROR_MEMORY, BTF_ERROR_INTERNAL (GL refuses it otherwise); the texture is
- * still to be cleared then. */
+ * light, row by row, in RGB9_E5. Leaves the texture bound to `unit`. Errors, on log: BTF_ERROR_UNSUPPORTED (a layer,
+ * or the number of layers, exceeds GL's limits), BTF_ERROR_MEMORY, BTF_ERROR_INTERNAL (GL refuses it otherwise); the
+ * texture is still to be cleared then. */
 btf_result original_texture_create(const gl_api *gl, int unit, const btf_material *material,
                                    const original *images, const btf_log *log,
                                    original_texture *out_texture);

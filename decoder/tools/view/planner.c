@@ -63,7 +63,7 @@ static int find(const planner *p, const btf_scene *scene) {
     return -1;
 }
 
-/* The slot that was not used for longest; never the present one. */
+/* The slot whose plan was not used for longest; never the present one. */
 static int oldest(const planner *p) {
     int slot = -1;
     for (int i = 0; i < PLANNER_SLOTS; i++) {
@@ -98,7 +98,7 @@ planner_action planner_decide(planner *p, const btf_scene *needed, bool at_rest,
     const btf_scene rings = planner_rings(needed);
     const btf_scene *now = p->current >= 0 ? &p->slot[p->current].plan.scene : NULL;
     if (!now || !holds(now, needed, slack)) {
-        /* a plan that is there and holds it, too, costs nothing */
+        /* a plan that was made before and holds what is needed costs nothing */
         for (int i = 0; i < PLANNER_SLOTS; i++) {
             if (p->slot[i].material && !p->slot[i].plan.scene.light.fixed &&
                 holds(&p->slot[i].plan.scene, needed, slack)) {

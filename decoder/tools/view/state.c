@@ -190,8 +190,8 @@ view_action view_state_key(view_state *s, int key, char *text, size_t size) {
     }
 }
 
-/* A direction is turned about the picture's axes: left and right round y, up and down towards y. Angles are
- * theta from z and phi, so it goes through longitude (round y) and latitude. */
+/* Turns a direction about the picture's axes: left and right round y, up and down towards y. Angles are theta from z
+ * and phi, so it goes through longitude (round y) and latitude. */
 static void turn(double *theta, double *phi, double dx, double dy) {
     const double degree = 0.017453292519943295;
     double x = sin(*theta * degree) * cos(*phi * degree), y = sin(*theta * degree) * sin(*phi * degree),

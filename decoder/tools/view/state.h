@@ -28,10 +28,10 @@ typedef struct view_state {
     btf_filter filter;
     btf_math math;
     view_split split;
-    bool levels; /* of detail, by pixel; else the finest */
-    bool stochastic; /* one neighbour a picture, accumulated */
+    bool levels; /* each pixel takes its level of detail; else all take the finest */
+    bool stochastic; /* each picture picks one neighbour; pictures are accumulated */
     bool help, info, animate;
-    bool has_own_mesh, has_original, has_sbrdf, has_levels; /* the choices */
+    bool has_own_mesh, has_original, has_sbrdf, has_levels; /* what there is to choose */
 } view_state;
 
 typedef enum view_action {

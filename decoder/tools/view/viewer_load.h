@@ -1,4 +1,4 @@
-/* btf-view: files and meshes. Errors are told.
+/* btf-view: files and meshes. Functions that fail have told the user why.
  *
  * SPDX-License-Identifier: MIT
  */

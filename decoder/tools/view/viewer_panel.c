@@ -109,7 +109,8 @@ btf_result viewer_draw_frame(viewer *v) {
     return BTF_OK;
 }
 
-/* Times frames with the effects as they are, then with each of them switched: the median of five frames counts. */
+/* Times frames with each effect of the file switched, then with the effects as they are; each time is the median of
+ * five frames. */
 btf_result viewer_measure(viewer *v) {
     if (!v->material) {
         return BTF_OK;

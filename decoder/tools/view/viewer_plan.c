@@ -34,8 +34,8 @@ static bool same_light(const view_state *a, const view_state *b) {
     return a->light_theta == b->light_theta && a->light_phi == b->light_phi;
 }
 
-/* Casts a coarse picture. The directions between its rays are within the margins of planner.h, or decoded by the
- * nearest directions that there are. */
+/* Casts a coarse picture to find the directions that the picture needs. Those between its rays are within the margins
+ * of planner.h, or decoded by the nearest directions that the plan has. */
 static btf_result find_needed_scene(viewer *v, int width, int height) {
     planning *p = &v->planning;
     btf_material_info info = {.struct_size = sizeof info};
@@ -69,7 +69,7 @@ static btf_result find_needed_scene(viewer *v, int width, int height) {
     return BTF_OK;
 }
 
-/* The camera, the light, the window: what moved, and what is needed now. */
+/* Notes whether camera, light or window moved, and if so finds what the picture needs now. */
 static btf_result note_movement(viewer *v) {
     planning *p = &v->planning;
     const double now = glfwGetTime();
@@ -91,7 +91,7 @@ static btf_result note_movement(viewer *v) {
     return find_needed_scene(v, size[0], size[1]);
 }
 
-/* Says how far the light of the plan is folded: into a texture that holds all that it shows; else its neighbours are
+/* Says how far the plan's light is folded: into a texture that holds all that it shows; else its neighbours are
  * constants of the shader, unless gloss looks lights up by the view. */
 static const char *light_words(const viewer *v, const btf_plan *plan) {
     if (!plan->scene.light.fixed) {
@@ -120,7 +120,7 @@ static void report_plan(viewer *v, const char *what, const planner_plan *made, c
     v->dirty = true;
 }
 
-/* The next part of the pending plan. The one that is shown stays until all are done. */
+/* Does the next part of the pending plan. The present plan is shown until all parts are done. */
 static btf_result do_next_part(viewer *v) {
     planning *p = &v->planning;
     const int slot = p->planner.pending;
@@ -164,8 +164,8 @@ btf_result viewer_plan(viewer *v, double *out_wait) {
     }
     const double now = glfwGetTime(), light_rests = now - p->light_moved, view_rests = now - p->moved;
     const bool at_rest = light_rests >= rest_seconds && view_rests >= rest_seconds && !v->state.animate;
-    p->needed.no_fold =
-        !drawing_folds(v->drawing, &v->state); /* no plan counts on a fold that will not be made */
+    /* No plan counts on a fold that will not be made. */
+    p->needed.no_fold = !drawing_folds(v->drawing, &v->state);
     const planner_action action = planner_decide(
         &p->planner, &p->needed, at_rest, p->folds && light_rests >= rest_seconds && !v->state.animate);
     if (action == PLANNER_SWITCH) {
@@ -181,7 +181,7 @@ btf_result viewer_plan(viewer *v, double *out_wait) {
     return result;
 }
 
-/* Direction to the light at every point of a flat model, seen from where it is lit. */
+/* The direction to the light at every point of a flat model, in the tangent frame of its front. */
 static void flat_light(const mesh *m, const view_state *s, float out[3]) {
     const mesh_vertex *at = m->vertices;
     const vec3 n = vec(at->normal[0], at->normal[1], at->normal[2]),
