@@ -44,6 +44,10 @@ static GLuint compile(const gl_api *gl, GLenum kind, const char *version, const 
     while (*parts && count < MOST) {
         all[count++] = *parts++;
     }
+    if (*parts) {
+        log_error(log, "GLSL of more than %d parts", MOST - 1);
+        return 0;
+    }
     GLuint shader = gl->CreateShader(kind);
     GLint ok = 0;
     gl->ShaderSource(shader, count, all, NULL);

@@ -229,7 +229,8 @@ static btf_result check_device(gl_device *d, const context_device *device, const
              (const char *)d->gl.GetString(GL_VERSION));
     btf_material_info info = {.struct_size = sizeof info};
     btf_material_get_info(request->material, &info);
-    if (request->math == BTF_MATH_FAST && info.levels == 1 && info.store != BTF_STORE_FACTORS) {
+    if (request->math == BTF_MATH_FAST && info.levels == 1 && info.store != BTF_STORE_FACTORS &&
+        info.point_store != BTF_POINTS_LISTS) {
         return BTF_OK;
     }
     btf_result result = btf_gl_self_test(&options, log, &failures);
