@@ -8,6 +8,7 @@
 #include "encoder/model/pack.h"
 #include "encoder/model/unpack.h"
 #include "encoder/job/foresee.h"
+#include "encoder/job/reflectance.h"
 #include "encoder/relief/relief.h"
 
 #include <stdlib.h>
@@ -70,7 +71,8 @@ static btf_result add_relief(const enc_relief_store *relief, const enc_data *dat
     return BTF_OK;
 }
 
-static btf_result encode_joint(const enc_context *context, const enc_data *data,
+/* Encodes `data`, the samples or what was fitted to them; like btf-encode, by a reflectance alone where that does. */
+static btf_result encode_joint(const enc_context *context, const enc_data *samples, const enc_data *data,
                                const enc_joint_options *options, const enc_relief_store *relief,
                                bench_encoded *out) {
     const bench_clock start = bench_now();
@@ -78,10 +80,17 @@ static btf_result encode_joint(const enc_context *context, const enc_data *data,
     const enc_factors_settings settings =
         enc_settings_of_factors(&job, data->width, data->height, data->n_views, data->n_lights);
     enc_factors_stats stats;
-    enc_solution found;
+    enc_solution found = {0};
+    bool reflectance = false;
     *out = (bench_encoded){0};
     btf_result result = enc_factors_solve(context, data, &settings, &found, &stats);
-    if (result == BTF_OK && relief && (result = add_relief(relief, data, &found)) != BTF_OK) {
+    if (result == BTF_OK) {
+        result = enc_reflectance_try(context, &job, samples, &found, &stats, &reflectance);
+    }
+    if (result == BTF_OK && relief && !reflectance) {
+        result = add_relief(relief, data, &found);
+    }
+    if (result != BTF_OK) {
         enc_solution_clear(&found);
     }
     return result == BTF_OK ? store(context, data, &found, BTF_LAYOUT_TIGHT, false, "joint", start, out)
@@ -90,7 +99,7 @@ static btf_result encode_joint(const enc_context *context, const enc_data *data,
 
 btf_result bench_encode_joint_options(const enc_context *context, const enc_data *data,
                                       const enc_joint_options *options, bench_encoded *out) {
-    return encode_joint(context, data, options, NULL, out);
+    return encode_joint(context, data, data, options, NULL, out);
 }
 
 btf_result bench_encode_paper_options(const enc_context *context, const enc_data *data,
@@ -152,7 +161,7 @@ btf_result bench_encode_joint_between(const enc_context *context, const enc_data
     }
     const bench_clock end = bench_now();
     if (result == BTF_OK) {
-        result = encode_joint(context, fitted ? fitted : data, &job.joint, relief, out);
+        result = encode_joint(context, data, fitted ? fitted : data, &job.joint, relief, out);
     }
     out->wall += end.wall - start.wall;
     out->core += end.core - start.core;
