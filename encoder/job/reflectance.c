@@ -16,8 +16,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A survey goes on where it leaves at most this share of the energy of its samples. The model alone leaves 1e-6 of
- * btf-sample flat, 1e-4 where noise of 0.003 is added, and 0.1 or more of BRICKS64, UBO_IMPALLA64 and the reliefs. */
+/* A survey goes on where it leaves at most this share of the energy of its samples. It leaves 3e-7 of btf-sample flat, 1.6e-4
+ * of it with noise of 0.003, 0.11 of bricks and axes, 0.20 of bumps, 0.22 of weave (32x32 texels), 0.26 of BRICKS64, 0.14 of
+ * UBO_IMPALLA64. */
 static const double may_stand = 1e-3;
 
 static const double best_psnr = 100;
