@@ -21,8 +21,8 @@ extern const char *const btfi_point_words[3];  /* btf_point_store */
 /* "shadow,shift" for a mask of effects; "" for none. size >= 48. */
 void btfi_effects_text(uint32_t effects, char *buffer, size_t size);
 
-/* OpenEXR's last message to this thread, to be cleared before a file is begun. It is kept for the thread, since OpenEXR
- * calls the handler while it holds the lock of its context, which the handler then cannot ask for user data. */
+/* OpenEXR's last message to this thread, to be cleared before a file is begun. It is kept for the thread: OpenEXR
+ * holds the lock of its context while it calls the handler, so that the handler cannot ask the context for user data. */
 void btfi_exr_clear_message(void);
 const char *btfi_exr_message(exr_result_t code); /* that of the code when there is none */
 bool btfi_exr_was_out_of_memory(void);           /* OpenEXR goes on without some attributes */

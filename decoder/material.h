@@ -23,8 +23,7 @@ struct btf_material {
     size_t effect_error_count;
     float *effect_differences; /* attribute openbtf.effectDifferences */
     size_t effect_difference_count;
-    float
-        *between_errors; /* attribute openbtf.betweenErrors, then the rows of openbtf.levelBetweenErrors */
+    float *between_errors; /* attribute openbtf.betweenErrors, then the rows of openbtf.levelBetweenErrors */
     size_t between_error_count;
     uint16_t *preview;   /* [height][width][4] halves; NULL: none */
     float *view_vectors; /* [n_views][4], texture view_vectors; NULL: none */

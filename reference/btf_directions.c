@@ -69,7 +69,7 @@ static uint32_t fraction(int32_t part, int32_t whole, uint32_t shift) {
     return ((uint32_t)part >> shift << 12) / ((uint32_t)whole >> shift);
 }
 
-/** @return whether the triangle holds q; its answer. */
+/** @return whether the triangle holds q; then sets *out_neighbours. */
 static bool try_triangle(const record *r, point q, btf_ref_neighbours *out_neighbours) {
     point a = subtract(r->a, q), b = subtract(r->b, q), c = subtract(r->c, q);
     int32_t e0 = cross(b, c), e1 = cross(c, a), e2 = cross(a, b);
@@ -83,8 +83,8 @@ static bool try_triangle(const record *r, point q, btf_ref_neighbours *out_neigh
     return true;
 }
 
-/** @return whether the hull's nearest point to q, which lies outside, is on the edge or is its end; its
- * answer. */
+/** @return whether the hull's nearest point to q, which lies outside, is on the edge or is its end; then sets
+ * *out_neighbours. */
 static bool try_edge(const record *r, point q, btf_ref_neighbours *out_neighbours) {
     point along = subtract(r->b, r->a), from_a = subtract(q, r->a);
     int32_t t = dot(from_a, along), n = dot(along, along);

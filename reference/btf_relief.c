@@ -1,7 +1,8 @@
 /* OpenBTF reference decoder: relief, the shift of each neighbouring view along a height map (FORMAT.md,
  * section 9).
  *
- * Heights are in 1/256 of a texel of level 0, positions in 1/256 of a texel of the level, slopes in 1/4096.
+ * Heights are in 1/256 of a texel of the level that they were made for, positions in 1/256 of a texel of the level, slopes
+ * in 1/4096.
  *
  * SPDX-License-Identifier: MIT
  */

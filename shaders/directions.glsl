@@ -98,7 +98,7 @@ btf_neighbours btf_nearest(btf_neighbours n) {
     return btf_neighbours(uvec3(index), uvec3(4096u, 0u, 0u));
 }
 
-/* Finite, within -2..2, and above the horizon; tested on the bits, so that no NaN slips through. */
+/* Whether d is finite, within -2..2, and above the horizon; tested on the bits, so that no NaN slips through. */
 bool btf_is_above(vec3 d) {
     uvec3 magnitude = floatBitsToUint(d) & BTF_BITS_MAGNITUDE;
     uint most = max(magnitude.x, max(magnitude.y, magnitude.z));

@@ -1,8 +1,8 @@
 /* OpenBTF shaders: the samplers, one a texture of FORMAT.md section 3, and the run-time zero.
  *
  * Only what the variant reads is declared: at most 13 samplers (layout tight: an SBRDF, shadow, shift, gain, centres,
- * four of factors, heights, view vectors and two tables; 11 where points are packed, 12 where they lie in lists) of the 16
- * that every GL and ES has for a fragment shader.
+ * four of factors, heights, view vectors and two tables; 11 where points are packed, 12 where they lie in lists), and two more
+ * with BTF_SAMPLING, of the 16 that every GL and ES has for a fragment shader.
  * In Vulkan, BTF_UNIFORM(n) has to give set and binding. WGSL is defined while btf_shader_wgsl() makes WGSL of the text, where
  * the zero has a binding, too. To use samplers of other names, define BTF_NO_INTERFACE and,
  * say, btf_maps as the name of yours.

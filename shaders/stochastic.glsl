@@ -110,7 +110,7 @@ vec3 btf_view_radiance(btf_setting s, int a, uvec2 at) {
 
 #else
 
-/* The same of one texel, column and row counted from below. */
+/* Radiance in view a of one texel, column and row counted from below. */
 vec3 btf_texel_radiance(btf_setting s, int a, uvec2 texel) {
     uvec2 x[BTF_TEXELS];
     x[0] = uvec2(texel.x, btf_size(s.level).y - 1u - texel.y);
@@ -123,7 +123,7 @@ vec3 btf_view_radiance(btf_setting s, int a, uvec2 at) {
 }
 #else
 
-/* The same of the texels of the filter, each decoded, blended. */
+/* Radiance in view a: the texels of the filter are decoded one by one, then blended. */
 vec3 btf_view_radiance(btf_setting s, int a, uvec2 at) {
     uvec2 size = btf_size(s.level);
     at = btf_place(s, a, at);

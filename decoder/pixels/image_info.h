@@ -1,5 +1,4 @@
-/* The meaning that an image file gives its pixels, and the notes that a reader passes on to its user:
- * notes, one a kind.
+/* The meaning that an image file gives its pixels, and the notes that a reader hands to its user, one of each kind.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -83,7 +83,8 @@ typedef struct btf_ref_material {
     const uint8_t *point_indices; /**< R, two views each */
     const uint8_t *heights;       /**< R, with relief_step > 0 */
     const float *view_vectors;    /**< RGBA, with relief or gloss */
-    /** With relief: the height of code c is base + ((c * step) >> 8), in 1/256 texel of level 0. */
+    /** With relief: the height of code c is base + ((c * step) >> 8), in 1/256 of a texel of the
+     * level that heights were made for. */
     int32_t relief_base, relief_step;
     uint32_t relief_steps; /**< N of a march */
     uint32_t gloss_share;  /**< quarters */
