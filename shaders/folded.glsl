@@ -45,7 +45,8 @@ vec3 btf_folded_sum(uvec2 x, btf_neighbours views, int n_views, int layer, int l
         if (weight > 0u) {
             uvec4 kept = texelFetch(btf_folded, ivec3(ivec2(x), layer + 4 * int(views.index[a])), level);
             own[a] = kept.w;
-            sum = btf_add(sum, btf_mul(uintBitsToFloat(kept.xyz), btf_mul(float(weight * weight), uintBitsToFloat(BTF_BITS_2_TO_MINUS_24))));
+            float share = btf_mul(float(weight * weight), uintBitsToFloat(BTF_BITS_2_TO_MINUS_24));
+            sum = btf_add(sum, btf_mul(uintBitsToFloat(kept.xyz), share));
         }
     }
     if (views.weight.x > 0u && views.weight.y > 0u)
