@@ -140,6 +140,9 @@ static void fill_place(const filler *f, size_t j, float *io_step_u, float *io_st
     for (size_t i = 0; i < f->columns; i++) {
         most_w = fmax(most_w, f->factor[i] > 0 ? fabs(f->w[i]) / (double)f->factor[i] : 0);
     }
+    if (!(most_u > 0 && most_w > 0)) { /* the views that are left have a factor of 0 */
+        return;
+    }
     if (!(*io_step_u > 0 && *io_step_w > 0)) {
         const double step = fmax(sqrt(most_u * most_w) / 127, least_step), balance = sqrt(most_w / most_u);
         *io_step_u = (float)(step * balance);

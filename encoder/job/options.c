@@ -47,7 +47,7 @@ static const cli_option table[] = {
      .choices = "fast|medium|thorough|exhaustive",
      .only = "joint",
      .help = "joint: 0, 6, 12 and 24 sweeps of descent on the codes; default\nmedium; fast tries no "
-             "effects"},
+             "effect, but a reflectance model alone (--effects)"},
     {.name = "effects",
      .type = CLI_EFFECTS,
      .value = &o.effects,

@@ -21,6 +21,10 @@
  * UBO_IMPALLA64. */
 static const double may_stand = 1e-3;
 
+/* Errors are measured up to 1. Samples this far above it are no noise on white: a measure that does not see them cannot judge
+ * the model. */
+static const float most_measured = 1.05f;
+
 static const double best_psnr = 100;
 
 enc_paper_options enc_reflectance_options(void) {
@@ -40,6 +44,9 @@ bool enc_reflectance_pays(const enc_reflectance_weights *w, const enc_error_sum 
     }
     if (w->quality > 0 && enc_psnr_srgb(model) >= w->quality) {
         return true;
+    }
+    if (w->quality > 0 && enc_psnr_srgb(factors) >= w->quality) {
+        return false;
     }
     const double tenths = log((double)w->factor_bytes / (double)w->model_bytes) / log(ENC_STOP_MORE);
     return (linear + srgb) / 2 <= (w->quality > 0 ? 0 : w->tolerance * tenths);
@@ -93,20 +100,18 @@ static btf_result measure_stored(const enc_context *context, const enc_data *dat
     return result;
 }
 
-/* A few texels as data of their own, and the energy of their samples, clipped. */
-static btf_result draw(const enc_context *alone, const enc_data *data, enc_data **out, double *out_energy) {
+/* Makes data of a few texels. Sets *out_energy to the sum of squares of their samples, and *out_bright to whether one of
+ * these is well above 1, where no error is measured. */
+static btf_result draw(const enc_context *alone, const enc_data *data, enc_data **out, double *out_energy,
+                       bool *out_bright) {
     const size_t all = enc_data_texel_count(data), stride = enc_data_texel_stride(data);
     const size_t count = all < ENC_REFLECTANCE_TEXELS ? all : ENC_REFLECTANCE_TEXELS;
     btf_result result = enc_data_create(alone, (int)count, 1, data->n_views, data->views, data->n_lights, data->lights, out);
-    if (result == BTF_OK && data->moved_light) {
-        const size_t size = (size_t)data->n_views * sizeof *data->moved_light;
-        (*out)->moved_light = malloc(size);
-        if (!(*out)->moved_light) {
-            return enc_fail(alone, BTF_ERROR_MEMORY, "reflectance: out of memory");
-        }
-        memcpy((*out)->moved_light, data->moved_light, size);
+    if (result == BTF_OK && enc_data_copy_lights(data, *out) != BTF_OK) {
+        result = enc_fail(alone, BTF_ERROR_MEMORY, "reflectance: out of memory");
     }
     *out_energy = 0;
+    *out_bright = false;
     for (size_t i = 0; result == BTF_OK && i < count; i++) {
         const size_t run = all / count; /* at another place of each run, so that rows and columns both vary */
         float *to = (*out)->samples + i * stride;
@@ -116,31 +121,33 @@ static btf_result draw(const enc_context *alone, const enc_data *data, enc_data 
             memcpy(to, samples, stride * sizeof *to);
         }
         for (size_t j = 0; result == BTF_OK && j < stride; j++) {
-            const double x = fmin((double)to[j], 1);
-            *out_energy += x * x;
+            *out_energy += (double)to[j] * (double)to[j];
+            *out_bright = *out_bright || to[j] > most_measured;
         }
     }
     return result;
 }
 
-/* Whether a model of a few texels stands for them. Every rank finds out by itself. */
+/* Whether a model of a few texels stands for them. Values above 1, in which the measure of error sees no difference, speak
+ * against it: most of a bright relief is above 1. Every rank finds out by itself. */
 static btf_result survey(const enc_context *context, const enc_data *data, bool *out_stands) {
     enc_context alone = *context;
     enc_data *drawn = NULL;
     enc_solution model = {0};
     enc_error_sum error = {0};
     double energy = 0;
+    bool bright = false;
     alone.ranks = NULL;
     alone.memory = 0;
     alone.least_memory = NULL;
-    btf_result result = draw(&alone, data, &drawn, &energy);
-    if (result == BTF_OK) {
+    btf_result result = draw(&alone, data, &drawn, &energy, &bright);
+    if (result == BTF_OK && !bright) {
         result = fit(&alone, drawn, &model);
     }
-    if (result == BTF_OK) {
+    if (result == BTF_OK && !bright) {
         result = measure_stored(&alone, drawn, &model, &error);
     }
-    *out_stands = result == BTF_OK && error.linear <= may_stand * energy;
+    *out_stands = result == BTF_OK && !bright && error.linear <= may_stand * energy;
     enc_solution_clear(&model);
     enc_data_destroy(&drawn);
     return enc_ranks_agree(context, result);
@@ -190,7 +197,8 @@ static enc_trial *kept_trial(enc_factors_stats *stats) {
 btf_result enc_reflectance_try(const enc_context *context, const enc_job *job, const enc_data *data,
                                enc_solution *io_solution, enc_factors_stats *stats, bool *out_taken) {
     const double begin = progress_core_clock();
-    enc_trial *kept = kept_trial(stats), trial = {.verdict = NULL};
+    enc_trial *kept = kept_trial(stats);
+    enc_trial trial = {.lobes = 1, .psnr = NAN, .verdict = "given up after a survey, which left too much error or met values above 1"};
     enc_solution model = {0};
     enc_context quiet = *context; /* without stages and steps of the paper's method */
     bool stands = false;
@@ -207,7 +215,7 @@ btf_result enc_reflectance_try(const enc_context *context, const enc_job *job, c
         result = weigh(&quiet, job, data, io_solution, kept->gpu_bytes, &model, &trial, out_taken);
     }
     enc_stage_end(context);
-    if (trial.verdict) {
+    if (result == BTF_OK) {
         trial.core_seconds = progress_core_clock() - begin;
         stats->trials[stats->trials_count++] = trial;
     }

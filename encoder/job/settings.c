@@ -69,7 +69,7 @@ enc_factors_settings enc_settings_of_factors(const enc_job *job, int width, int 
         .budget = joint->budget > 0 ? joint->budget : enc_default_budget(width, height, n_views, n_lights),
         .quality = joint->quality,
         .effects = joint->effects,
-        .choose = joint->choose && joint->preset != ENC_PRESET_FAST, /* preset fast tries nothing */
+        .choose = joint->choose && joint->preset != ENC_PRESET_FAST, /* preset fast tries no effect */
         .tolerance = joint->tolerance,
         .sweeps = preset_sweeps[joint->preset]};
 }

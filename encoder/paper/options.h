@@ -26,9 +26,8 @@ typedef struct enc_paper_options {
 
 typedef struct enc_paper_stats {
     enc_fit_stats fit;
-    size_t hidden_before, hidden_after,
-        hidden_total;                 /* counts of points for the paper's table 1; zeros when
-                                                         shift and hidden do not run */
+    /* Counts of points for the paper's table 1; zeros when shift and hidden do not run. */
+    size_t hidden_before, hidden_after, hidden_total;
     enc_trial trials[ENC_MAX_TRIALS]; /* of options->choose and ->fallback; linear PSNR on a sample */
     int trials_count;
     bool diffuse; /* the diffuse fit was better and was taken (options->fallback) */

@@ -4,6 +4,7 @@
  */
 #include "report.h"
 
+#include "decoder/toolkit/between.h"
 #include "encoder/base/stage.h"
 #include "encoder/data/level_filter.h"
 #include "encoder/model/decode_samples.h"
@@ -66,6 +67,16 @@ static btf_result measure(const enc_context *context, const enc_data *data,
                                with_ssim, &step->metrics);
 }
 
+/* Fills in the step without an effect that acts between the samples alone: at them the errors are those of the full decode. */
+static void leave_out_between(const enc_report_step *full, const btf_material_info *info, const char *name,
+                              uint32_t effects, enc_report_step *step) {
+    *step = *full;
+    step->name = name;
+    step->effects = effects;
+    step->gpu_bytes = enc_report_gpu_bytes(info, effects);
+    step->metrics.ssim = 0;
+}
+
 btf_result enc_report_measure(const enc_context *context, const enc_data *data,
                               const enc_solution *solution, const btf_material *material,
                               enc_report *report) {
@@ -86,7 +97,7 @@ btf_result enc_report_measure(const enc_context *context, const enc_data *data,
     }
     ladder[steps++] = info.effects;
     for (int i = 0; i < EFFECT_COUNT; i++) {
-        left_out += (info.effects & effect_names[i].effect) != 0;
+        left_out += (info.effects & effect_names[i].effect & ~(uint32_t)BETWEEN_EFFECTS) != 0;
     }
     enc_stage_begin(context, "measure", (size_t)data->n_views * (size_t)(steps + left_out));
     for (int i = 0; result == BTF_OK && i < steps; i++) {
@@ -96,9 +107,12 @@ btf_result enc_report_measure(const enc_context *context, const enc_data *data,
     for (int i = 0; result == BTF_OK && i < EFFECT_COUNT; i++) {
         if (info.effects & effect_names[i].effect) {
             subset = info.effects & ~(uint32_t)effect_names[i].effect;
-            result = measure(context, data, decoder, &info, effect_names[i].name, subset, false,
-                             &report->without[report->n_without]);
-            report->n_without++;
+            enc_report_step *without = &report->without[report->n_without++];
+            if (effect_names[i].effect & BETWEEN_EFFECTS) {
+                leave_out_between(&report->ladder[steps - 1], &info, effect_names[i].name, subset, without);
+            } else {
+                result = measure(context, data, decoder, &info, effect_names[i].name, subset, false, without);
+            }
         }
     }
     enc_stage_end(context);

@@ -396,6 +396,11 @@ CHANGES = [
         ("encoder/job/reflectance.c", "w->tolerance * tenths", "w->tolerance * 0")]),
     ("a reflectance alone taken for its bytes where it lacks the quality", "reflectance", [
         ("encoder/job/reflectance.c", "(w->quality > 0 ? 0 : w->tolerance * tenths)", "(w->tolerance * tenths)")]),
+    ("a reflectance alone taken where the factors alone have the quality", "reflectance", [
+        ("encoder/job/reflectance.c", "if (w->quality > 0 && enc_psnr_srgb(factors) >= w->quality) {",
+         "if (w->quality > 1e9 && enc_psnr_srgb(factors) >= w->quality) {")]),
+    ("a bright relief taken for a plane", "tools_reflectance", [
+        ("encoder/job/reflectance.c", "to[j] > most_measured", "to[j] > 1e9f * most_measured")]),
     ("empty places of a unit left empty", "factor_empty_places", [
         ("encoder/factor/factor.c", "result = enc_factor_fill_places(m, f->components, &f->codes);", "result = BTF_OK;")]),
     ("places beside a component left empty", "factor_empty_places", [
@@ -450,6 +455,8 @@ def program(tree, test):
         return TOOLS, [f'{tests}/stability/test_{test[10:]}.sh']
     if test == 'tools_shader':
         return ['decoder/tools/shader/btf-shader', 'tests/support/libmoment.so'], ['env', 'BTF_TEST_LIGHT=1', f'{tests}/tools/test_shader.sh']
+    if test == 'tools_reflectance':
+        return TOOLS, ['env', 'BTF_TEST_LIGHT=1', f'{tests}/tools/test_reflectance.sh']
     if test == 'fuzz-exr':
         return [f'tests/fuzz/{test}'], [f'{tree}/build/tests/fuzz/{test}', f'{tests}/fuzz/corpus/exr']
     if test == 'valgrind':

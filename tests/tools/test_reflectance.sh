@@ -6,6 +6,7 @@
 plane="--size 8 --directions 0:1,25:6,50:12,70:16"
 btf-sample -o flat --relief flat $plane --format exr --quiet && btf-sample -o pairs --relief flat $plane --between 60 --quiet || exit 99
 btf-sample -o bumps --relief bumps $plane --format exr --quiet || exit 99
+btf-sample -o bright --relief bricks --size 16 --directions 0:1,25:6,50:12,70:16 --format exr --exposure 300 --quiet || exit 99
 
 expect "a plane" 0 btf-encode flat -o flat.btf.exr -q --report flat.json
 expect "as factors" 0 btf-encode flat -o factors.btf.exr -q --effects residual --report factors.json
@@ -45,11 +46,14 @@ print(levels)
 assert len(levels) == 3 and all(level["linear"] > 30 for level in levels)
 P
 expect "a relief" 0 btf-encode bumps -o bumps.btf.exr -q --report bumps.json
-expect_that "has factors, and was not fitted" python3 - <<'P'
+expect_that "has factors; the model was given up by the survey, as the report says" python3 - <<'P'
 import json
 trials = json.load(open("bumps.json"))["trials"]
-assert all(t["lobes"] == 0 for t in trials), trials
+assert all(t["lobes"] == 0 for t in trials[:-1]) and trials[-1]["lobes"] == 1, trials
+assert trials[-1]["verdict"].startswith("given up") and trials[-1]["gpu"] == 0 and trials[-1]["psnr"] is None, trials
 P
+expect "a relief so bright that most is above 1, where no error is measured" 0 btf-encode bright -o bright.btf.exr -q --report bright.json
+expect_that "has factors" python3 -c 'import json; assert json.load(open("bright.json"))["trials"][-1]["verdict"].startswith("given up")'
 expect "a quality that the model has" 0 btf-encode flat -o quality.btf.exr -q --quality 60 --report quality.json
 expect_that "it is taken" python3 -c 'import json; assert json.load(open("quality.json"))["trials"][-1]["verdict"] == "best"'
 expect "gloss that the user wants" 0 btf-encode flat -o gloss.btf.exr -q --gloss 2 --report gloss.json

@@ -140,9 +140,8 @@ static size_t pack_sources(view_search *s, int column, int row, int columns, int
     const int x0 = reach(width, column, columns, &across), y0 = reach(height, row, rows, &down);
     const size_t count = (size_t)across * (size_t)down, panels = enc_gemm_panels(count, ENC_GEMM_N);
     for (size_t i = 0; i < panels * ENC_GEMM_N; i++) {
-        const size_t at =
-            i < count ? i : 0; /* panels are filled up with the first, which cannot win a second
-                                                time */
+        /* Panels are filled up with the first source, which cannot win a second time. */
+        const size_t at = i < count ? i : 0;
         const int x = (x0 + (int)at % across) % width, y = (y0 + (int)at / across) % height;
         const size_t source = enc_match_place(s->match, &s->at->sources, (size_t)(y * width + x));
         const float *from = s->source + source * s->k;

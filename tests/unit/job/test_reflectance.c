@@ -53,6 +53,9 @@ TEST(test_quality) {
     assert_true(enc_reflectance_pays(&weights, &model, &(enc_error_sum){0, 0, 1}));
     weights.quality = 41;
     assert_false(enc_reflectance_pays(&weights, &model, &factors));
+    const enc_error_sum reaches = of(48, 41.5), misses = of(52, 40.5); /* the mean favours who misses it */
+    assert_false(enc_reflectance_pays(&weights, &misses, &reaches));
+    assert_true(enc_reflectance_pays(&weights, &reaches, &misses));
     assert_true(enc_reflectance_pays(&weights, &factors, &model));
 }
 
