@@ -55,7 +55,7 @@ static void find_level(const btf_material *material, uint32_t level, btf_evaluat
     };
 }
 
-/* Finds the partners of each view, which sums of products need (decoder/fold/partners.h). Where there are too many
+/* Finds the partners of each view, which sums of products need (decoder/evaluate/partners.h). Where there are too many
  * views for partners, e->partners stays NULL, and such sums are not supported. */
 static btf_result find_partners(const btf_material *material, btf_evaluator *e) {
     const btf_directions views = btf_material_views(material);

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "cpu_fold.h"
+#include "fold.h"
 #include "decoder/result.h"
 #include <openbtf/fold.h>
 
@@ -195,7 +196,7 @@ btf_result btf_material_fold(const btf_material *material, const btf_shader_opti
     }
     const uint32_t layers = btf_fold_layers(&info, options->fold, 1);
     const size_t bytes = btf_fold_bytes(&info, options->fold, lights);
-    uint32_t *texels = bytes / lights / layers >= 16 ? malloc(bytes) : NULL, *out = texels;
+    uint32_t *texels = btfi_fold_fits(&info, options->fold, lights) ? malloc(bytes) : NULL, *out = texels;
     if (!texels) {
         result = btfi_fail(log, BTF_ERROR_MEMORY, "fold: out of memory for %zu bytes", bytes);
     }

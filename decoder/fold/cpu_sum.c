@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "cpu_fold.h"
+#include "fold.h"
 #include "decoder/evaluate/exact.h"
 #include "decoder/evaluate/partners.h"
 #include "decoder/result.h"
@@ -165,7 +166,7 @@ btf_result btf_material_fold_sum(const btf_material *material, const btf_shader_
         return result;
     }
     const size_t bytes = btf_fold_bytes(&info, BTF_FOLD_SUM, 1);
-    uint32_t *texels = malloc(bytes), *out = texels;
+    uint32_t *texels = btfi_fold_fits(&info, BTF_FOLD_SUM, 1) ? malloc(bytes) : NULL, *out = texels;
     result = texels ? BTF_OK : BTF_ERROR_MEMORY;
     for (uint32_t level = 0; level < info.levels && result == BTF_OK; level++) {
         const uint32_t width = btf_level_size(info.width, level),

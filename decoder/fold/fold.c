@@ -7,7 +7,7 @@
 #include "decoder/restrict.h"
 #include "decoder/result.h"
 
-#include <stdbool.h>
+#include <stdint.h>
 #include <string.h>
 
 static btf_shader_options read_options(const btf_shader_options *options) {
@@ -116,6 +116,15 @@ uint32_t btf_fold_layers(const btf_material_info *info, btf_fold fold, uint32_t 
     default:
         return lights;
     }
+}
+
+bool btfi_fold_fits(const btf_material_info *info, btf_fold fold, uint32_t lights) {
+    double texels = 0;
+    for (uint32_t i = 0; i < info->levels; i++) {
+        texels += (double)btf_level_size(info->width, i) * btf_level_size(info->height, i);
+    }
+    return texels * btf_fold_layers(info, fold, 1) * lights * (double)btf_format_size(BTF_FORMAT_RGBA32UI) <
+           (double)(SIZE_MAX / 2);
 }
 
 size_t btf_fold_bytes(const btf_material_info *info, btf_fold fold, uint32_t lights) {

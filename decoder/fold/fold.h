@@ -6,6 +6,7 @@
 #define OPENBTF_FOLD_INTERNAL_H
 
 #include <openbtf/fold.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 #pragma GCC visibility push(hidden)
@@ -13,6 +14,9 @@
 /* The material as a shader that reads a fold sees it: no effect but relief, which acts on the folded
  * values. */
 btf_material_info btfi_folded_info(const btf_material_info *info, btf_fold fold);
+
+/* Whether the bytes of a fold of so many lights, or sums, can be counted by a size_t and allocated. */
+bool btfi_fold_fits(const btf_material_info *info, btf_fold fold, uint32_t lights);
 
 /* Fills in the members of a plan that describe its fold: none where its scene makes none. `views`, `lights`, `cost` and
  * `shader` are set. */

@@ -82,6 +82,11 @@ static double count_samples(const job *j, int frames) {
            ((double)render_options.lights.count + (render_options.env_sampled ? render_options.spp : 0));
 }
 
+/* The same where the sum of several lights can be folded: a fold is read once for all of them. */
+static double count_read(const job *j, int frames) {
+    return count_samples(j, frames) / (j->still_lights.count > 0 ? (double)render_options.lights.count : 1);
+}
+
 static const btf_cost_model *costs_of(const job *j) {
     return render_options.costs_file ? &j->costs : NULL;
 }
@@ -96,7 +101,7 @@ static btf_result open_shader(job *j, int frames) {
                               .filter = (btf_filter)render_options.filter,
                               .math = (btf_math)render_options.math,
                               .fold = (shader_fold)render_options.fold,
-                              .samples = count_samples(j, frames),
+                              .samples = count_read(j, frames),
                               .picks = render_options.stochastic ? BTF_PICK_ALL : BTF_PICK_NONE,
                               .picked = render_options.env_sampled ? 1 : render_options.spp,
                               .level = render_options.figure13 ? 0 : render_options.level,
@@ -262,8 +267,6 @@ static btf_result find_still(job *j) {
 
 /* Makes the plan for a range of frames that begins with `first`, and the material and shader that it calls for. */
 static btf_result plan_frames(job *j, int first) {
-    /* A sum of lights takes one evaluation for all of them. */
-    const double together = j->still_lights.count > 0 ? (double)render_options.lights.count : 1;
     const frame_wishes wishes = {
         .tolerance = (float)render_options.tolerance,
         .interpolate = render_options.frames > 1 || render_options.interpolation_given,
@@ -271,7 +274,7 @@ static btf_result plan_frames(job *j, int first) {
         .costs = costs_of(j),
         .still_lights = (uint32_t)j->still_lights.count,
         .folds = j->still_lights.count > 0 ? render_options.fold != SHADER_FOLD_NEVER : wants_folds(),
-        .samples = render_options.fold == SHADER_FOLD_ALWAYS ? 0 : count_samples(j, 1) / together,
+        .samples = render_options.fold == SHADER_FOLD_ALWAYS ? 0 : count_read(j, 1),
         .fold_bytes = SHADE_FOLD_BYTES};
     btf_result result =
         frame_plan(j->whole, j->seen, first, render_options.frames, &wishes, &j->planned_end, &j->plan);

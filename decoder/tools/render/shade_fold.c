@@ -23,8 +23,8 @@ static bool pays(const shader_request *request, const btf_shader_options *option
         return costs.pixels < request->samples;
     }
     /* A fold of a sum takes a pass for each light; a sample then reads one texel for all lights. */
-    const double lights = (double)request->lights, samples = request->samples / lights;
-    return lights * costs.pass < samples * (lights * (double)costs.unfolded - (double)costs.folded);
+    const double lights = (double)request->lights;
+    return lights * costs.pass < request->samples * (lights * (double)costs.unfolded - (double)costs.folded);
 }
 
 static bool is_worth_it(const shader_request *request, const btf_shader_options *options,

@@ -62,8 +62,8 @@ static void prepare_reference(reference *self, const shader_request *request) {
     }
 }
 
-/* Folds a variant at all levels; false when out of memory. */
-static bool fold(reference *r, const shader_request *request, int variant, const btf_log *log) {
+/* Folds a variant at all levels; where that cannot be, nothing of it is folded, with a warning. */
+static void fold(reference *r, const shader_request *request, int variant, const btf_log *log) {
     const btf_shader_options options = shade_fold_options(request, variant, log);
     for (int i = 0; i < r->levels && options.fold != BTF_FOLD_NONE; i++) {
         btf_ref_folded *f = &r->folded[variant][i];
@@ -71,10 +71,14 @@ static bool fold(reference *r, const shader_request *request, int variant, const
         f->values = shade_fold_reference(&r->level[i], r->evaluator, (uint32_t)i,
                                          &r->reference_options[variant], &options, request);
         if (!f->values) {
-            return false;
+            file_warn(log, "no fold can be made, or there is no memory for it: nothing is folded");
+            for (int j = 0; j < i; j++) {
+                free((void *)r->folded[variant][j].values);
+                r->folded[variant][j].values = NULL;
+            }
+            return;
         }
     }
-    return true;
 }
 
 static void *create(const shader_request *request, const btf_log *log, btf_result *out_result) {
@@ -104,12 +108,7 @@ static void *create(const shader_request *request, const btf_log *log, btf_resul
                                                   .filter = request->filter};
     }
     for (int i = 0; i < request->variants; i++) {
-        if (!fold(self, request, i, log)) {
-            file_say(log, "out of memory for a fold");
-            *out_result = BTF_ERROR_MEMORY;
-            destroy(self);
-            return NULL;
-        }
+        fold(self, request, i, log);
     }
     return self;
 }

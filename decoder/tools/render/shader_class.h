@@ -30,7 +30,8 @@ typedef struct shader_request {
     uint32_t fixed; /* as in btf_shader_options: what is the same in every list */
     float fixed_view[3], fixed_light[3];
     shader_fold fold;
-    double samples; /* about how many each variant will shade, under all lights together */
+    /* About how many evaluations each variant will make; of lights whose sum can be folded, one for all of them. */
+    double samples;
     /* Lights that are the same in every list. Where their sum can be folded, it is shown as that of one light: folded
      * to radiance where the view is fixed; else, where sum_of_views says so, as BTF_FOLD_SUM, which is not exact to
      * the bit. `fixed` does not count them as a fixed light. 0: none. Both arrays [lights][3]: unit vectors of the
