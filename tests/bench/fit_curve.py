@@ -3,7 +3,8 @@
 
     tests/bench/fit_curve.py REPORT.json [REPORT.json...]
 
-The reports are those of btf-encode --report with --fit between. Each gives a line, named by its input, with a point
+The reports are those of btf-encode --report with --fit between. Each gives a line, named by its input, whose name may end with a
+commit (as regenerate.sh has it), with a point
 for each candidate: the expected gain in dB between the samples (the mean of linear and sRGB-coded) over the expected loss in
 dB at them (sRGB-coded). A ring marks the candidate that was chosen.
 
@@ -11,6 +12,7 @@ SPDX-License-Identifier: MIT
 """
 import json
 import os
+import re
 import subprocess
 import sys
 
@@ -29,6 +31,7 @@ def curve(path):
         gained = sum(c[f"coded_between_{k}"] - plain[f"coded_between_{k}"] for k in ("linear", "srgb")) / 2
         points.append((lost, gained, c["candidate"] == fit["chosen"]))
     name = os.path.basename(report["input"].rstrip("/")).removesuffix(".zip").replace("_", " ")
+    name = re.sub(r"-[0-9a-f]{7,}(\+\d+)?$", "", name)
     return name, points
 
 
