@@ -1,5 +1,5 @@
 /* OpenBTF in JavaScript: opens materials, hands out their textures and shader text, evaluates them. index.d.ts documents
- * every call; openbtf/webgl uploads to WebGL2.
+ * every call; openbtf/webgl uploads to WebGL2, openbtf/webgpu to WebGPU.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -63,8 +63,8 @@ typedef struct btf_web_evaluations {
     const float *views;  /**< [count][3]; [3] with BTF_FIXED_VIEW in `fixed` */
     uint32_t fixed;      /**< btf_fixed bits: directions that are given once */
     uint32_t level;      /**< of detail; beyond the last it is the last */
-    uint32_t
-        reference; /**< 1: by the reference decoder, one by one; 0: by the library, faster. The bits are equal */
+    /** 1: by the reference decoder, one by one; 0: by the library, faster. The bits are equal. */
+    uint32_t reference;
     const uint32_t *random; /**< [count][3], where options pick; the reference alone picks */
     float *rgb;             /**< out: [count][3] */
 } btf_web_evaluations;
