@@ -172,11 +172,33 @@ void btf_fold_add(size_t count, const uint32_t *texels, const float weight[3], u
     }
 }
 
+btf_result btfi_fold_whole(const btf_material *material, const btf_shader_options *options, uint32_t lights,
+                           const btf_log *log, btf_material_info *out_info, btf_evaluator **out_evaluator,
+                           uint32_t **out_texels) {
+    *out_info = (btf_material_info){.struct_size = sizeof *out_info};
+    btf_material_get_info(material, out_info);
+    btf_result result = btf_fold_check(out_info, options, log);
+    if (result == BTF_OK) {
+        result = btf_evaluator_create(material, log, out_evaluator);
+    }
+    if (result != BTF_OK) {
+        return result;
+    }
+    const size_t bytes = btf_fold_bytes(out_info, options->fold, lights);
+    *out_texels = btfi_fold_fits(out_info, options->fold, lights) ? malloc(bytes) : NULL;
+    if (!*out_texels) {
+        btf_evaluator_destroy(out_evaluator);
+        return btfi_fail(log, BTF_ERROR_MEMORY, "fold: out of memory for %zu bytes", bytes);
+    }
+    return BTF_OK;
+}
+
 btf_result btf_material_fold(const btf_material *material, const btf_shader_options *options,
                              uint32_t lights, const float *light, const float *view, const btf_log *log,
                              uint32_t **out_texels) {
     btf_evaluator *evaluator = NULL;
-    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_info info;
+    uint32_t *texels = NULL;
     if (!out_texels) {
         return BTF_ERROR_USAGE;
     }
@@ -186,20 +208,12 @@ btf_result btf_material_fold(const btf_material *material, const btf_shader_opti
         return btfi_fail(log, BTF_ERROR_USAGE,
                          "fold: a material, options, their fold (1 to 3), a light or a view is missing");
     }
-    btf_material_get_info(material, &info);
-    btf_result result = btf_fold_check(&info, options, log);
-    if (result == BTF_OK) {
-        result = btf_evaluator_create(material, log, &evaluator);
-    }
+    btf_result result = btfi_fold_whole(material, options, lights, log, &info, &evaluator, &texels);
     if (result != BTF_OK) {
         return result;
     }
     const uint32_t layers = btf_fold_layers(&info, options->fold, 1);
-    const size_t bytes = btf_fold_bytes(&info, options->fold, lights);
-    uint32_t *texels = btfi_fold_fits(&info, options->fold, lights) ? malloc(bytes) : NULL, *out = texels;
-    if (!texels) {
-        result = btfi_fail(log, BTF_ERROR_MEMORY, "fold: out of memory for %zu bytes", bytes);
-    }
+    uint32_t *out = texels;
     for (uint32_t level = 0; level < info.levels && result == BTF_OK; level++) {
         const uint32_t width = btf_level_size(info.width, level),
                        height = btf_level_size(info.height, level);

@@ -10,6 +10,12 @@
 
 #pragma GCC visibility push(hidden)
 
+/* Checks a fold of so many lights, makes an evaluator of the material, and allocates the whole texture; *out_info is filled in.
+ * Errors, on log: those of btf_fold_check and btf_evaluator_create, BTF_ERROR_MEMORY; nothing is left then. */
+btf_result btfi_fold_whole(const btf_material *material, const btf_shader_options *options, uint32_t lights,
+                           const btf_log *log, btf_material_info *out_info, btf_evaluator **out_evaluator,
+                           uint32_t **out_texels);
+
 /* How the texels of a fold are decoded. */
 btfi_way btfi_fold_way(const btf_evaluator *evaluator, const btf_shader_options *options);
 

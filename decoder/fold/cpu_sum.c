@@ -3,7 +3,6 @@
  * SPDX-License-Identifier: MIT
  */
 #include "cpu_fold.h"
-#include "fold.h"
 #include "decoder/evaluate/exact.h"
 #include "decoder/evaluate/partners.h"
 #include "decoder/result.h"
@@ -148,7 +147,8 @@ btf_result btf_material_fold_sum(const btf_material *material, const btf_shader_
                                  uint32_t lights, const float *light, const float *weight,
                                  const btf_log *log, uint32_t **out_texels) {
     btf_evaluator *evaluator = NULL;
-    btf_material_info info = {.struct_size = sizeof info};
+    btf_material_info info;
+    uint32_t *texels = NULL;
     if (!out_texels) {
         return BTF_ERROR_USAGE;
     }
@@ -157,17 +157,11 @@ btf_result btf_material_fold_sum(const btf_material *material, const btf_shader_
         return btfi_fail(log, BTF_ERROR_USAGE,
                          "fold: a material, options of which the fold is 4, lights or weights are missing");
     }
-    btf_material_get_info(material, &info);
-    btf_result result = btf_fold_check(&info, options, log);
-    if (result == BTF_OK) {
-        result = btf_evaluator_create(material, log, &evaluator);
-    }
+    btf_result result = btfi_fold_whole(material, options, 1, log, &info, &evaluator, &texels);
     if (result != BTF_OK) {
         return result;
     }
-    const size_t bytes = btf_fold_bytes(&info, BTF_FOLD_SUM, 1);
-    uint32_t *texels = btfi_fold_fits(&info, BTF_FOLD_SUM, 1) ? malloc(bytes) : NULL, *out = texels;
-    result = texels ? BTF_OK : BTF_ERROR_MEMORY;
+    uint32_t *out = texels;
     for (uint32_t level = 0; level < info.levels && result == BTF_OK; level++) {
         const uint32_t width = btf_level_size(info.width, level),
                        height = btf_level_size(info.height, level);
@@ -178,7 +172,8 @@ btf_result btf_material_fold_sum(const btf_material *material, const btf_shader_
     if (result != BTF_OK) {
         free(texels);
         return result == BTF_ERROR_MEMORY
-                   ? btfi_fail(log, result, "fold: out of memory for %zu bytes", bytes)
+                   ? btfi_fail(log, result, "fold: out of memory for %zu bytes",
+                               btf_fold_bytes(&info, BTF_FOLD_SUM, 1))
                    : btfi_fail(log, result, "fold: the triangulation of views does not lie in a plane");
     }
     *out_texels = texels;

@@ -8,19 +8,21 @@
 
 #include <stdbool.h>
 
-/* The pass that adds one light to the sum of those before, which lies in a layer of another texture (or there is
- * none). */
+/* How both passes begin: `sum` is that of the lights before, which lies in a layer of another texture, or 0. */
+#define SUM_BEFORE \
+    "void main() {\n" \
+    "    ivec2 at = ivec2(gl_FragCoord.xy);\n" \
+    "    vec3 sum = vec3(0.0);\n" \
+    "    if (btf_pass_from >= 0)\n" \
+    "        sum = uintBitsToFloat(texelFetch(btf_pass_sum, ivec3(at, btf_pass_from), btf_pass_level).xyz);\n"
+
+/* The pass that adds one light to the sum of those before. */
 static const char sum_text[] =
     "uniform highp vec3 btf_pass_light, btf_pass_viewer, btf_pass_weight;\n"
     "uniform highp int btf_pass_level, btf_pass_from;\n"
     "uniform highp usampler2DArray btf_pass_sum;\n"
     "out highp uvec4 btf_pass_value;\n"
-    "void main() {\n"
-    "    ivec2 at = ivec2(gl_FragCoord.xy);\n"
-    "    vec3 sum = vec3(0.0);\n"
-    "    if (btf_pass_from >= 0)\n"
-    "        sum = uintBitsToFloat(texelFetch(btf_pass_sum, ivec3(at, btf_pass_from), "
-    "btf_pass_level).xyz);\n"
+    SUM_BEFORE
     "    vec3 value = btf_fold_both(uvec2(at), btf_pass_light, btf_pass_viewer, btf_pass_level);\n"
     "    btf_pass_value = uvec4(floatBitsToUint(btf_fold_add(sum, value, btf_pass_weight)), 0u);\n"
     "}\n";
@@ -36,12 +38,7 @@ static const char views_text[] =
     "    ivec2 at = ivec2(gl_FragCoord.xy);\n"
     "    return uintBitsToFloat(texelFetch(btf_pass_values, ivec3(at, view), btf_pass_level).xyz);\n"
     "}\n"
-    "void main() {\n"
-    "    ivec2 at = ivec2(gl_FragCoord.xy);\n"
-    "    vec3 sum = vec3(0.0);\n"
-    "    if (btf_pass_from >= 0)\n"
-    "        sum = uintBitsToFloat(texelFetch(btf_pass_sum, ivec3(at, btf_pass_from), "
-    "btf_pass_level).xyz);\n"
+    SUM_BEFORE
     "    if (btf_pass_other >= 0) {\n"
     "        vec3 value = btf_pass_fetch(btf_pass_view);\n"
     "#if BTF_BLEND_ROOTS\n"
